@@ -1,0 +1,57 @@
+//! Next-event estimation: light that comes straight from a source.
+
+use super::path::{Vertex, transmission};
+use super::{PathLimits, Strategy, Tally, mis_weight};
+use crate::embree::Ray;
+use crate::mode::{Lanes, Mode};
+use crate::scene::Scene;
+
+/// Shadow rays end this share of their length before the light's own surface.
+const SHADOW_GAP: f32 = 1e-4;
+
+/// Light from one drawn source, scattered towards the viewer.
+#[inline]
+pub(super) fn direct_light<M: Mode>(
+    scene: &Scene<M>,
+    vertex: &Vertex<M>,
+    u: [f32; 3],
+    waves: &M::Waves,
+    limits: &PathLimits,
+    tally: &mut Tally,
+) -> M::Light {
+    let Some(sample) = scene.lights.sample(vertex.surface.position, u, waves) else { return M::Light::ZERO };
+    if limits.strategy == Strategy::Bsdf && !sample.alone {
+        return M::Light::ZERO;
+    }
+
+    // Evaluate the surface for that direction.
+    let wi = vertex.frame.to_local(sample.wi);
+    if wi.z * sample.wi.dot(vertex.surface.ng) <= 0.0 {
+        return M::Light::ZERO;
+    }
+    let (value, scatter_pdf) = vertex.bsdf.eval(vertex.wo, wi, waves);
+    if value.is_black() {
+        return M::Light::ZERO;
+    }
+    let arriving = scene.arriving(&sample.light, waves);
+    if arriving.is_black() {
+        return M::Light::ZERO;
+    }
+
+    // Ask whether anything stands between.
+    let origin = vertex.surface.leave(sample.wi);
+    let tfar = sample.distance_m * (1.0 - SHADOW_GAP);
+    let shadow = Ray { tfar, ..Ray::new(origin, sample.wi) };
+    let (passed, chance) = scene.transmittance(&shadow, waves, &mut tally.shadow_rays);
+    if passed.is_black() {
+        return M::Light::ZERO;
+    }
+
+    let alone = sample.alone || limits.strategy == Strategy::Light;
+    let weight = if alone { 1.0 } else { mis_weight(sample.pdf, scatter_pdf * chance) };
+    let mut light = value * arriving * passed * (weight / sample.pdf);
+    if wi.z * vertex.wo.z > 0.0 && sample.distance_m.is_finite() && vertex.absorption_per_m != glam::Vec3::ZERO {
+        light *= transmission::<M>(vertex.absorption_per_m, sample.distance_m, waves);
+    }
+    light
+}

@@ -1,0 +1,53 @@
+//! Light transport: a path tracer with next-event estimation and multiple importance sampling.
+
+mod direct;
+mod path;
+
+pub use path::radiance;
+use std::ops::AddAssign;
+
+/// How light is found. The three agree in the mean; the first two are kept to check the third.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Strategy {
+    /// Only by rays that happen to hit it (and by light sampling for what no ray can hit).
+    Bsdf,
+    /// Only by sampling the lights (and by rays after perfectly smooth surfaces, which light sampling cannot serve).
+    Light,
+    /// Both, weighted by the power heuristic.
+    #[default]
+    Mis,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub struct PathLimits {
+    /// Scattering events on a path: 0 sees emitters only, 1 adds direct light.
+    pub max_bounces: u32,
+    pub strategy: Strategy,
+}
+
+/// What was done on the way; a plain value, summed over tiles.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Tally {
+    /// Camera and scattered rays.
+    pub rays: u64,
+    pub shadow_rays: u64,
+    /// Samples whose radiance was not a number or infinite; they count as black.
+    pub non_finite: u64,
+}
+
+impl AddAssign for Tally {
+    fn add_assign(&mut self, other: Self) {
+        self.rays += other.rays;
+        self.shadow_rays += other.shadow_rays;
+        self.non_finite += other.non_finite;
+    }
+}
+
+/// Weight of a sample drawn with density `a` that a second strategy would have drawn with density `b`: the power heuristic
+/// with exponent 2. Veach 1997, section 9.2.4.
+#[inline]
+fn mis_weight(a: f32, b: f32) -> f32 {
+    // Through the ratio: the squares of densities overflow.
+    let ratio = b / a;
+    1.0 / (1.0 + ratio * ratio)
+}

@@ -1,0 +1,21 @@
+//! What the process has used, from /proc.
+
+/// Clock ticks per second in /proc/self/stat: USER_HZ, 100 on every Linux this runs on.
+const TICKS_PER_S: f64 = 100.0;
+
+/// User + system seconds of this process so far (all threads, to 0.01 s); 0 where /proc is absent.
+pub fn cpu_seconds() -> f64 {
+    let Ok(stat) = std::fs::read_to_string("/proc/self/stat") else { return 0.0 };
+    // The second field is a name in parentheses that may hold spaces; utime and stime are fields 14 and 15.
+    let after_name = stat.rsplit(')').next().unwrap_or("");
+    let ticks: f64 = after_name.split_whitespace().skip(11).take(2).filter_map(|t| t.parse::<f64>().ok()).sum();
+    ticks / TICKS_PER_S
+}
+
+/// Largest resident memory so far, in MB (10^6 bytes); 0 where /proc is absent.
+pub fn peak_rss_mb() -> f64 {
+    let Ok(status) = std::fs::read_to_string("/proc/self/status") else { return 0.0 };
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+    let kib = line.and_then(|l| l.split_whitespace().next()).and_then(|n| n.parse::<f64>().ok());
+    kib.unwrap_or(0.0) * 1.024e-3
+}

@@ -1,0 +1,50 @@
+//! A finished picture with what it cost.
+
+use super::tile::Tile;
+use crate::integrate::Tally;
+
+/// Mean radiance per pixel, row by row from the upper left, linear sRGB.
+pub struct Frame {
+    pub width: u32,
+    pub height: u32,
+    /// Samples per pixel that were taken.
+    pub spp: u32,
+    pub rgb: Vec<[f32; 3]>,
+    /// Variance of each pixel's mean, per channel; infinite below two samples.
+    pub variance: Vec<[f32; 3]>,
+    pub tally: Tally,
+    /// Wall and user + system seconds of rendering alone.
+    pub render_s: f64,
+    pub render_cpu_s: f64,
+}
+
+impl Frame {
+    pub(super) fn resolve(
+        [width, height]: [u32; 2],
+        spp: u32,
+        tiles: Vec<Tile>,
+        tally: Tally,
+        render_s: f64,
+        render_cpu_s: f64,
+    ) -> Self {
+        let count = width as usize * height as usize;
+        let mut rgb = vec![[0.0; 3]; count];
+        let mut variance = vec![[f32::INFINITY; 3]; count];
+        let n = f64::from(spp);
+        for tile in tiles {
+            for (i, pixel) in tile.pixels.iter().enumerate() {
+                let (x, y) = (tile.x0 + i as u32 % tile.width, tile.y0 + i as u32 / tile.width);
+                let index = y as usize * width as usize + x as usize;
+                for channel in 0..3 {
+                    let mean = pixel.sum[channel] / n;
+                    rgb[index][channel] = mean as f32;
+                    if spp > 1 {
+                        let spread = (pixel.sum_squares[channel] / n - mean * mean).max(0.0);
+                        variance[index][channel] = (spread / (n - 1.0)) as f32;
+                    }
+                }
+            }
+        }
+        Self { width, height, spp, rgb, variance, tally, render_s, render_cpu_s }
+    }
+}

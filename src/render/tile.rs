@@ -1,0 +1,88 @@
+//! Accumulators, kept per tile so that threads never share a cache line.
+
+use glam::Vec3;
+
+use super::RenderError;
+
+pub const TILE_SIDE: u32 = 16;
+
+/// A rectangle of the picture; pixels row by row.
+pub struct Tile {
+    pub x0: u32,
+    pub y0: u32,
+    pub width: u32,
+    pub pixels: Vec<Pixel>,
+}
+
+/// Sums over the samples of one pixel.
+#[derive(Clone, Copy, Default)]
+pub struct Pixel {
+    pub sum: [f64; 3],
+    /// Of squares, for the variance.
+    pub sum_squares: [f64; 3],
+}
+
+impl Pixel {
+    #[inline]
+    pub fn add(&mut self, rgb: Vec3) {
+        for (channel, value) in rgb.to_array().into_iter().enumerate() {
+            let value = f64::from(value);
+            self.sum[channel] += value;
+            self.sum_squares[channel] += value * value;
+        }
+    }
+}
+
+impl Tile {
+    /// All tiles of a picture, along a Z-order curve: neighbours in time are neighbours in space.
+    pub fn grid([width, height]: [u32; 2]) -> Result<Vec<Self>, RenderError> {
+        let bytes = u64::from(width) * u64::from(height) * size_of::<Pixel>() as u64;
+        let too_large = || RenderError::Memory { width, height, bytes };
+        let (columns, rows) = (width.div_ceil(TILE_SIDE), height.div_ceil(TILE_SIDE));
+        let mut places: Vec<[u32; 2]> = Vec::new();
+        places.try_reserve_exact(columns as usize * rows as usize).map_err(|_| too_large())?;
+        places.extend((0..rows).flat_map(|row| (0..columns).map(move |column| [column, row])));
+        places.sort_by_key(|&[column, row]| spread_bits(column) | spread_bits(row) << 1);
+        let mut tiles = Vec::with_capacity(places.len());
+        for [column, row] in places {
+            let (x0, y0) = (column * TILE_SIDE, row * TILE_SIDE);
+            let (tile_width, tile_height) = ((width - x0).min(TILE_SIDE), (height - y0).min(TILE_SIDE));
+            let mut pixels = Vec::new();
+            let count = (tile_width * tile_height) as usize;
+            pixels.try_reserve_exact(count).map_err(|_| too_large())?;
+            pixels.resize(count, Pixel::default());
+            tiles.push(Self { x0, y0, width: tile_width, pixels });
+        }
+        Ok(tiles)
+    }
+}
+
+/// Moves bit i to bit 2i.
+fn spread_bits(x: u32) -> u64 {
+    let mut x = u64::from(x);
+    for (shift, mask) in [(16, 0x0000_ffff_0000_ffff), (8, 0x00ff_00ff_00ff_00ff), (4, 0x0f0f_0f0f_0f0f_0f0f)] {
+        x = (x | x << shift) & mask;
+    }
+    x = (x | x << 2) & 0x3333_3333_3333_3333;
+    (x | x << 1) & 0x5555_5555_5555_5555
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tiles_cover_every_pixel_once() {
+        for size in [[1, 1], [16, 16], [17, 33], [100, 3]] {
+            let tiles = Tile::grid(size).unwrap();
+            let mut seen = vec![0; (size[0] * size[1]) as usize];
+            for tile in &tiles {
+                for i in 0..tile.pixels.len() as u32 {
+                    let (x, y) = (tile.x0 + i % tile.width, tile.y0 + i / tile.width);
+                    seen[(y * size[0] + x) as usize] += 1;
+                }
+            }
+            assert!(seen.iter().all(|&count| count == 1));
+        }
+    }
+}

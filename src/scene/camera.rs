@@ -1,0 +1,239 @@
+//! Cameras: which one, where it stands, and the rays it sends.
+
+use glam::{Mat4, Vec2, Vec3};
+
+use crate::document::{Document, Item, Lens, Projection};
+use crate::embree::Ray;
+use crate::math::warp::square_to_disk;
+
+/// Which rule places the camera.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Framing {
+    /// The CS184 rule when the file carries CGL data and its camera stands at or below everything; else as written.
+    #[default]
+    Auto,
+    /// As the file says.
+    Scene,
+    /// The CS184 course's: only the direction of the camera node counts; the eye moves to see the whole scene.
+    Cs184,
+}
+
+/// A camera in world space, for one picture size.
+#[derive(Clone, Debug)]
+pub struct Camera {
+    origin: Vec3,
+    right: Vec3,
+    up: Vec3,
+    forward: Vec3,
+    /// Half the picture at unit distance (perspective), or in metres (orthographic).
+    half: Vec2,
+    shift: Vec2,
+    orthographic: bool,
+    lens: Option<Lens>,
+    pub size: [u32; 2],
+}
+
+/// Distance of the CS184 eye from the centre of the scene, in diagonals of its box.
+const CS184_DISTANCE: f32 = 1.5;
+/// Default picture when neither file nor command line says: the long side, pixels.
+const DEFAULT_LONG_SIDE: f32 = 960.0;
+
+/// A camera of the document with the place of its node.
+pub struct CameraPlace {
+    /// Index into [`Document::cameras`].
+    pub camera: usize,
+    pub node_id: String,
+    pub to_world: Mat4,
+}
+
+/// Every placed camera, in file order.
+pub fn cameras(document: &Document) -> Vec<CameraPlace> {
+    let mut found = Vec::new();
+    for (node, to_world) in document.placements() {
+        for item in &document.nodes[node].items {
+            if let Item::Camera(camera) = item {
+                found.push(CameraPlace { camera: *camera, node_id: document.nodes[node].id.clone(), to_world });
+            }
+        }
+    }
+    found
+}
+
+/// What [`Camera::new`] decided, for the log.
+pub enum Placed {
+    AsWritten,
+    Cs184,
+    /// No camera in the file: the scene's box is framed.
+    Box,
+}
+
+impl Camera {
+    /// `wanted` is a camera or node id; `size` overrides the file's and the default. `bounds` is the scene's box, world
+    /// space.
+    ///
+    /// # Errors
+    /// `wanted` names no camera of the file: the message lists them.
+    pub fn new(
+        document: &Document,
+        wanted: Option<&str>,
+        size: [Option<u32>; 2],
+        framing: Framing,
+        bounds: (Vec3, Vec3),
+    ) -> Result<(Self, Placed), String> {
+        let mut places = cameras(document);
+        if let Some(id) = wanted {
+            let names: Vec<String> = places.iter().map(|p| document.cameras[p.camera].id.clone()).collect();
+            places.retain(|p| p.node_id == id || document.cameras[p.camera].id == id);
+            if places.is_empty() {
+                return Err(format!("no camera `{id}` in the scene; it has {}", list(&names)));
+            }
+        }
+        let Some(place) = places.first() else {
+            return Ok((Self::around(bounds, size), Placed::Box));
+        };
+        let source = &document.cameras[place.camera];
+        let aspect = natural_aspect(&source.projection);
+        let size = picture_size(size, aspect);
+
+        // A camera node's scale must not change what it sees.
+        let forward = place.to_world.transform_vector3(-Vec3::Z).try_normalize().unwrap_or(-Vec3::Z);
+        let up_hint = place.to_world.transform_vector3(Vec3::Y);
+        let eye = place.to_world.transform_point3(Vec3::ZERO);
+        let scale = document.to_world.x_axis.truncate().length();
+        let (half, orthographic) = half_extent(&source.projection, size, scale);
+
+        let low_eye = eye.y <= bounds.0.y + 1e-4 * (bounds.1 - bounds.0).max_element();
+        let course = match framing {
+            Framing::Scene => false,
+            Framing::Cs184 => true,
+            Framing::Auto => document.has_cgl && low_eye,
+        };
+        let mut camera = Self::looking(eye, forward, up_hint, half, orthographic, size);
+        if course {
+            let centre = 0.5 * (bounds.0 + bounds.1);
+            // The course takes position + forward of the node as a direction from the origin.
+            let backward = place.to_world.transform_point3(Vec3::new(0.0, 0.0, -1.0)).try_normalize().unwrap_or(Vec3::Z);
+            let eye = centre + backward * (CS184_DISTANCE * (bounds.1 - bounds.0).length());
+            camera = Self::looking(eye, -backward, Vec3::Y, half, orthographic, size);
+        }
+        camera.shift = source.shift;
+        camera.lens = source.lens;
+        Ok((camera, if course { Placed::Cs184 } else { Placed::AsWritten }))
+    }
+
+    fn looking(origin: Vec3, forward: Vec3, up_hint: Vec3, half: Vec2, orthographic: bool, size: [u32; 2]) -> Self {
+        let any_up = if forward.y.abs() < 0.99 { Vec3::Y } else { Vec3::Z };
+        let right = forward
+            .cross(up_hint)
+            .try_normalize()
+            .or_else(|| forward.cross(any_up).try_normalize())
+            .unwrap_or(Vec3::X);
+        let up = right.cross(forward);
+        Self { origin, right, up, forward, half, shift: Vec2::ZERO, orthographic, lens: None, size }
+    }
+
+    /// A three-quarter view that holds the whole box.
+    fn around(bounds: (Vec3, Vec3), size: [Option<u32>; 2]) -> Self {
+        let size = picture_size(size, 4.0 / 3.0);
+        let projection = Projection::Perspective { xfov_deg: Some(35.0), yfov_deg: None, aspect: Some(4.0 / 3.0) };
+        let (half, _) = half_extent(&projection, size, 1.0);
+        let (low, high) = bounds;
+        let (centre, radius) = (0.5 * (low + high), 0.5 * (high - low).length().max(1e-6));
+        let backward = Vec3::new(0.45, 0.35, 1.0).normalize();
+        let sin = half.min_element() / (1.0 + half.min_element().powi(2)).sqrt();
+        Self::looking(centre + backward * (radius / sin), -backward, Vec3::Y, half, false, size)
+    }
+
+    /// The ray through a point of the picture, in pixels from the upper left corner; `u` picks the point on the lens.
+    #[inline]
+    pub fn ray(&self, pixel: Vec2, u: [f32; 2]) -> Ray {
+        let size = Vec2::new(self.size[0] as f32, self.size[1] as f32);
+        let ndc = (pixel / size - 0.5) * 2.0 + Vec2::new(2.0, -2.0) * self.shift * size.max_element() / size;
+        let x = ndc.x * self.half.x;
+        let y = -ndc.y * self.half.y;
+        if self.orthographic {
+            return Ray::new(self.origin + self.right * x + self.up * y, self.forward);
+        }
+        let direction = self.forward + self.right * x + self.up * y;
+        let Some(lens) = &self.lens else { return Ray::new(self.origin, direction.normalize()) };
+        let on_lens = aperture_point(lens.blades, u) * lens.aperture_radius_m;
+        let origin = self.origin + self.right * on_lens.x + self.up * on_lens.y;
+        let focus = self.origin + direction * lens.focus_distance_m;
+        Ray::new(origin, (focus - origin).normalize())
+    }
+}
+
+/// A uniform point of the unit aperture: a disc, or a regular polygon with a corner at the top.
+fn aperture_point(blades: u32, u: [f32; 2]) -> Vec2 {
+    if blades < 3 {
+        return square_to_disk(u);
+    }
+    let position = u[0] * blades as f32;
+    let sector = position.floor();
+    let corner = |k: f32| {
+        let angle = std::f32::consts::TAU * k / blades as f32;
+        Vec2::new(angle.sin(), angle.cos())
+    };
+    let root = (position - sector).sqrt();
+    corner(sector) * (root * (1.0 - u[1])) + corner(sector + 1.0) * (root * u[1])
+}
+
+/// Width over height that the camera itself asks for.
+fn natural_aspect(projection: &Projection) -> f32 {
+    let (x, y, aspect) = match *projection {
+        Projection::Perspective { xfov_deg, yfov_deg, aspect } => (xfov_deg.map(tan_half), yfov_deg.map(tan_half), aspect),
+        Projection::Orthographic { xmag, ymag, aspect } => (xmag, ymag, aspect),
+    };
+    match (x, y, aspect) {
+        (Some(x), Some(y), _) if x > 0.0 && y > 0.0 => x / y,
+        (_, _, Some(aspect)) if aspect > 0.0 => aspect,
+        _ => 4.0 / 3.0,
+    }
+}
+
+/// The picture's half extents: the file's frame, widened in one direction to the picture's aspect, never cropped.
+fn half_extent(projection: &Projection, size: [u32; 2], scale: f32) -> (Vec2, bool) {
+    let picture = size[0] as f32 / size[1] as f32;
+    let (x, y, aspect, orthographic) = match *projection {
+        Projection::Perspective { xfov_deg, yfov_deg, aspect } => {
+            (xfov_deg.map(tan_half), yfov_deg.map(tan_half), aspect, false)
+        }
+        Projection::Orthographic { xmag, ymag, aspect } => (xmag.map(|m| m * scale), ymag.map(|m| m * scale), aspect, true),
+    };
+    // Without an aspect of its own the camera takes the picture's.
+    let aspect = aspect.filter(|&a| a > 0.0).unwrap_or(picture);
+    let frame = match (x, y) {
+        (Some(x), Some(y)) => Vec2::new(x, y),
+        (Some(x), None) => Vec2::new(x, x / aspect),
+        (None, Some(y)) => Vec2::new(y * aspect, y),
+        (None, None) => Vec2::new(aspect, 1.0) * 0.5,
+    };
+    let half = if frame.x / frame.y < picture {
+        Vec2::new(frame.y * picture, frame.y)
+    } else {
+        Vec2::new(frame.x, frame.x / picture)
+    };
+    (half, orthographic)
+}
+
+fn picture_size(size: [Option<u32>; 2], aspect: f32) -> [u32; 2] {
+    let pixels = |length: f32| (length.round() as u32).max(1);
+    match size {
+        [Some(width), Some(height)] => [width, height],
+        [Some(width), None] => [width, pixels(width as f32 / aspect)],
+        [None, Some(height)] => [pixels(height as f32 * aspect), height],
+        [None, None] if aspect >= 1.0 => [pixels(DEFAULT_LONG_SIDE), pixels(DEFAULT_LONG_SIDE / aspect)],
+        [None, None] => [pixels(DEFAULT_LONG_SIDE * aspect), pixels(DEFAULT_LONG_SIDE)],
+    }
+}
+
+fn tan_half(degrees: f32) -> f32 {
+    (0.5 * degrees.to_radians()).tan()
+}
+
+fn list(names: &[String]) -> String {
+    match names {
+        [] => "none".to_owned(),
+        names => names.iter().map(|n| format!("`{n}`")).collect::<Vec<_>>().join(", "),
+    }
+}

@@ -1,0 +1,310 @@
+//! Light sources: emitting surfaces, points, spots, the sun, the sky. Each can be drawn from a point that it lights, and tells
+//! the density with which it would have been.
+
+use std::f32::consts::PI;
+
+use glam::{Affine3A, Vec3};
+
+use super::environment::Sky;
+use super::surface::Surface;
+use crate::document::{Falloff, SpotEdge};
+use crate::math::distribution::Alias;
+use crate::math::warp::{cone_pdf, square_to_cone, square_to_sphere, square_to_triangle};
+use crate::math::Frame;
+use crate::mode::{Lanes, Mode};
+
+/// One source that light sampling can choose.
+pub enum Emitter<M: Mode> {
+    /// A triangle of an emitting mesh, world space.
+    Triangle(Triangle),
+    /// An emitting sphere.
+    Sphere(Sphere),
+    Point { position: Vec3, intensity: Source<M>, falloff: Falloff },
+    Spot(Spot<M>),
+    /// From a disc of directions around `toward`; parallel when `one_minus_cos` is 0. `color` is irradiance.
+    Directional { toward: Vec3, one_minus_cos: f32, irradiance: Source<M> },
+    Sky(Sky<M>),
+}
+
+#[derive(Clone, Copy)]
+pub struct Sphere {
+    pub place: u32,
+    pub material: u32,
+    pub center: Vec3,
+    pub radius: f32,
+    /// Not in the BVH: only light sampling finds it.
+    pub hidden: bool,
+}
+
+pub struct Triangle {
+    pub place: u32,
+    pub material: u32,
+    pub prim: u32,
+    pub corner: Vec3,
+    pub edges: [Vec3; 2],
+    /// Unit length, on the outward side.
+    pub normal: Vec3,
+    pub area_m2: f32,
+    pub two_sided: bool,
+    /// Not in the BVH: only light sampling finds it.
+    pub hidden: bool,
+}
+
+pub struct Spot<M: Mode> {
+    pub position: Vec3,
+    pub axis: Vec3,
+    pub cos_half_cone: f32,
+    pub edge: SpotEdge,
+    pub intensity: Source<M>,
+    pub falloff: Falloff,
+}
+
+/// A colour with the spectrum it is painted in.
+pub struct Source<M: Mode> {
+    pub rgb: Vec3,
+    pub spectrum: M::Spectrum,
+}
+
+impl<M: Mode> Source<M> {
+    #[inline]
+    pub fn emitted(&self, waves: &M::Waves) -> M::Light {
+        M::emitted(&self.spectrum, self.rgb, waves)
+    }
+
+    /// Mean over the colour channels, for choosing between lights.
+    pub fn strength(&self) -> f32 {
+        self.rgb.element_sum() / 3.0
+    }
+}
+
+/// A direction drawn towards a light.
+pub struct LightSample<L> {
+    pub wi: Vec3,
+    pub distance_m: f32,
+    pub light: LightAt<L>,
+    /// Density of the direction in 1/sr (1 for points and parallel light), times the chance of choosing this light.
+    pub pdf: f32,
+    /// True when no scattered ray can find the light: it is a point, parallel, or an invisible surface.
+    pub alone: bool,
+}
+
+/// What arrives along a drawn direction.
+pub enum LightAt<L> {
+    /// Radiance, or irradiance over the cosine for a light without extent.
+    Radiance(L),
+    /// Emission of a surface: its material and where on it.
+    Surface { place: u32, material: u32, prim: u32, barycentric: [f32; 2], cos: f32 },
+}
+
+/// All lights of a scene, and how they are chosen.
+pub struct Lights<M: Mode> {
+    pub emitters: Vec<Emitter<M>>,
+    /// By power.
+    choice: Option<Alias>,
+    /// Emitters that a ray which leaves the scene can see.
+    distant: Vec<u32>,
+}
+
+impl<M: Mode> Lights<M> {
+    /// `power` gives one weight per emitter.
+    pub fn new(emitters: Vec<Emitter<M>>, power: &[f32]) -> Self {
+        let is_distant = |e: &Emitter<M>| match e {
+            Emitter::Sky(_) => true,
+            Emitter::Directional { one_minus_cos, .. } => *one_minus_cos > 0.0,
+            _ => false,
+        };
+        let distant = (0u32..).zip(&emitters).filter(|(_, e)| is_distant(e)).map(|(i, _)| i).collect();
+        Self { choice: Alias::new(power), emitters, distant }
+    }
+
+    /// Chooses a light and a direction towards it from `from`; `None` when there is none or it faces away.
+    pub fn sample(&self, from: Vec3, u: [f32; 3], waves: &M::Waves) -> Option<LightSample<M::Light>> {
+        let (index, probability) = self.choice.as_ref()?.sample(u[0]);
+        let mut sample = self.emitters[index].sample(from, [u[1], u[2]], waves)?;
+        sample.pdf *= probability;
+        Some(sample)
+    }
+
+    /// The density with which [`Lights::sample`] would have drawn the direction from `from` to this point of an emitting
+    /// surface.
+    pub fn surface_pdf(&self, from: Vec3, surface: &Surface) -> f32 {
+        let index = surface.emitter as usize;
+        let Some(choice) = &self.choice else { return 0.0 };
+        let offset = surface.position - from;
+        let pdf = match &self.emitters[index] {
+            Emitter::Triangle(triangle) => {
+                let distance2 = offset.length_squared();
+                let cos = (offset.dot(triangle.normal) / distance2.sqrt()).abs();
+                distance2 / (cos * triangle.area_m2)
+            }
+            Emitter::Sphere(sphere) => sphere.pdf(from, surface),
+            _ => 0.0,
+        };
+        pdf * choice.probability(index)
+    }
+
+    /// Calls `add` with radiance and light-sampling density of each distant light that lies in direction `toward`.
+    pub fn escape(&self, toward: Vec3, waves: &M::Waves, mut add: impl FnMut(M::Light, f32)) {
+        let Some(choice) = &self.choice else { return };
+        for &index in &self.distant {
+            let seen = match &self.emitters[index as usize] {
+                Emitter::Sky(sky) => Some((sky.radiance(toward, waves), sky.pdf(toward))),
+                Emitter::Directional { toward: axis, one_minus_cos, irradiance } => {
+                    let inside = 1.0 - axis.dot(toward) <= *one_minus_cos;
+                    inside.then(|| (disc_radiance(irradiance.emitted(waves), *one_minus_cos), cone_pdf(*one_minus_cos)))
+                }
+                _ => None,
+            };
+            if let Some((radiance, pdf)) = seen {
+                add(radiance, pdf * choice.probability(index as usize));
+            }
+        }
+    }
+}
+
+/// Radiance of a disc of directions that gives this irradiance: E / (pi sin^2).
+fn disc_radiance<L: Lanes>(irradiance: L, one_minus_cos: f32) -> L {
+    irradiance * (1.0 / (PI * one_minus_cos * (2.0 - one_minus_cos)))
+}
+
+impl<M: Mode> Emitter<M> {
+    fn sample(&self, from: Vec3, u: [f32; 2], waves: &M::Waves) -> Option<LightSample<M::Light>> {
+        match self {
+            Self::Triangle(triangle) => triangle.sample(from, u),
+            Self::Sphere(sphere) => sphere.sample(from, u),
+            Self::Point { position, intensity, falloff } => {
+                let (wi, distance_m) = toward(from, *position)?;
+                let light = LightAt::Radiance(intensity.emitted(waves) * attenuation(*falloff, distance_m));
+                Some(LightSample { wi, distance_m, light, pdf: 1.0, alone: true })
+            }
+            Self::Spot(spot) => {
+                let (wi, distance_m) = toward(from, spot.position)?;
+                let edge = spot.edge_factor(-wi.dot(spot.axis));
+                let strength = edge * attenuation(spot.falloff, distance_m);
+                let light = LightAt::Radiance(spot.intensity.emitted(waves) * strength);
+                (edge > 0.0).then_some(LightSample { wi, distance_m, light, pdf: 1.0, alone: true })
+            }
+            Self::Directional { toward, one_minus_cos, irradiance } => {
+                let irradiance = irradiance.emitted(waves);
+                if *one_minus_cos == 0.0 {
+                    let light = LightAt::Radiance(irradiance);
+                    return Some(LightSample { wi: *toward, distance_m: f32::INFINITY, light, pdf: 1.0, alone: true });
+                }
+                let wi = Frame::new(*toward).to_world(square_to_cone(u, *one_minus_cos));
+                let light = LightAt::Radiance(disc_radiance(irradiance, *one_minus_cos));
+                Some(LightSample { wi, distance_m: f32::INFINITY, light, pdf: cone_pdf(*one_minus_cos), alone: false })
+            }
+            Self::Sky(sky) => {
+                let (wi, pdf) = sky.sample(u)?;
+                let light = LightAt::Radiance(sky.radiance(wi, waves));
+                Some(LightSample { wi, distance_m: f32::INFINITY, light, pdf, alone: false })
+            }
+        }
+    }
+}
+
+impl Triangle {
+    /// `outward` is -1 where the winding is turned around. A triangle without area is kept, and never chosen.
+    pub fn new(source: (u32, u32, u32), corners: [Vec3; 3], outward: f32, two_sided: bool, hidden: bool) -> Self {
+        let (place, material, prim) = source;
+        let [corner, b, c] = corners;
+        let edges = [b - corner, c - corner];
+        let cross = edges[0].cross(edges[1]) * outward;
+        let normal = cross.try_normalize().unwrap_or(Vec3::Y);
+        Self { place, material, prim, corner, edges, normal, area_m2: 0.5 * cross.length(), two_sided, hidden }
+    }
+
+    fn sample<L>(&self, from: Vec3, u: [f32; 2]) -> Option<LightSample<L>> {
+        let barycentric = square_to_triangle(u);
+        let point = self.corner + self.edges[0] * barycentric[0] + self.edges[1] * barycentric[1];
+        let (wi, distance_m) = toward(from, point)?;
+        let cos = -wi.dot(self.normal);
+        if cos == 0.0 || (cos < 0.0 && !self.two_sided) {
+            return None;
+        }
+        let pdf = distance_m * distance_m / (cos.abs() * self.area_m2);
+        let light = LightAt::Surface { place: self.place, material: self.material, prim: self.prim, barycentric, cos };
+        Some(LightSample { wi, distance_m, light, pdf, alone: self.hidden })
+    }
+}
+
+impl<M: Mode> Spot<M> {
+    /// Share of the intensity at an angle from the axis.
+    fn edge_factor(&self, cos: f32) -> f32 {
+        if cos <= self.cos_half_cone {
+            return 0.0;
+        }
+        match self.edge {
+            SpotEdge::Exponent(exponent) => cos.max(0.0).powf(exponent),
+            SpotEdge::Blend(blend) => {
+                // Blender's: a smooth step in 1/cos-scaled distance from the cone's edge.
+                let width = (1.0 - self.cos_half_cone) * blend.max(1e-4);
+                let t = ((cos - self.cos_half_cone) / width).clamp(0.0, 1.0);
+                t * t * (3.0 - 2.0 * t)
+            }
+        }
+    }
+}
+
+fn attenuation(falloff: Falloff, distance_m: f32) -> f32 {
+    match falloff {
+        Falloff::Physical => 1.0 / (distance_m * distance_m),
+        Falloff::Attenuation { constant, linear, quadratic } => {
+            let sum = constant + distance_m * (linear + distance_m * quadratic);
+            if sum > 0.0 { 1.0 / sum } else { 0.0 }
+        }
+    }
+}
+
+/// Unit direction and distance; `None` when the points coincide.
+fn toward(from: Vec3, to: Vec3) -> Option<(Vec3, f32)> {
+    let offset = to - from;
+    let distance_m = offset.length();
+    (distance_m > 0.0 && distance_m.is_finite()).then(|| (offset / distance_m, distance_m))
+}
+
+impl Sphere {
+    /// From outside the visible cap is drawn by solid angle, from inside the whole surface by area.
+    fn sample<L>(&self, from: Vec3, u: [f32; 2]) -> Option<LightSample<L>> {
+        let (Self { place, material, center, radius, hidden }, prim) = (*self, 0);
+        let surface = |cos| LightAt::Surface { place, material, prim, barycentric: [0.0; 2], cos };
+        let (axis, to_center_m) = toward(from, center).unwrap_or((Vec3::Z, 0.0));
+        let Some(one_minus_cos) = visible_cap(to_center_m, radius) else {
+            let normal = square_to_sphere(u);
+            let (wi, distance_m) = toward(from, center + normal * radius)?;
+            let cos = -wi.dot(normal);
+            let pdf = distance_m * distance_m / (cos.abs() * 4.0 * PI * radius * radius);
+            return (cos != 0.0).then_some(LightSample { wi, distance_m, light: surface(cos), pdf, alone: hidden });
+        };
+        let local = square_to_cone(u, one_minus_cos);
+        let wi = Frame::new(axis).to_world(local);
+        // The near intersection; clamped because the cone's edge touches the sphere.
+        let miss2 = to_center_m * to_center_m * (1.0 - local.z) * (1.0 + local.z);
+        let half_chord = (radius * radius - miss2).max(0.0).sqrt();
+        let distance_m = to_center_m * local.z - half_chord;
+        let light = surface(half_chord / radius);
+        Some(LightSample { wi, distance_m, light, pdf: cone_pdf(one_minus_cos), alone: hidden })
+    }
+
+    fn pdf(&self, from: Vec3, surface: &Surface) -> f32 {
+        if let Some(one_minus_cos) = visible_cap(from.distance(self.center), self.radius) {
+            return cone_pdf(one_minus_cos);
+        }
+        let offset = surface.position - from;
+        let distance2 = offset.length_squared();
+        let cos = (offset.dot(surface.ng) / distance2.sqrt()).abs();
+        distance2 / (cos * 4.0 * PI * self.radius * self.radius)
+    }
+}
+
+/// 1 - cos of the half angle of the cone that holds a sphere; `None` from inside (or on) it.
+fn visible_cap(distance_m: f32, radius: f32) -> Option<f32> {
+    let sin2 = (radius / distance_m).powi(2);
+    // 1 - sqrt(1 - x) without cancellation.
+    (sin2 < 0.999_99).then(|| sin2 / (1.0 + (1.0 - sin2).sqrt()))
+}
+
+/// The direction that a light node shines along: local -Z in world space.
+pub fn shining_direction(to_world: &Affine3A) -> Vec3 {
+    to_world.transform_vector3(-Vec3::Z).try_normalize().unwrap_or(-Vec3::Y)
+}

@@ -1,0 +1,196 @@
+//! Light sources of a document, turned into emitters.
+
+use std::f32::consts::PI;
+
+use glam::{Affine3A, Vec3};
+
+use super::build::{Assembly, BuildOptions};
+use super::light::{self, Emitter, Sphere, Spot, Triangle};
+use super::environment::Sky;
+use super::material::{Material, source};
+use super::surface::Part;
+use super::BuildError;
+use crate::color::{Emission, Sensor};
+use crate::document::{self, AreaShape, Base, Document, Falloff, Item, Light, LightKind, Mesh, SurfaceEmission};
+use crate::mode::Mode;
+
+/// Sides of the polygon that stands for a disc; it has the disc's area.
+const DISK_SIDES: u32 = 96;
+
+/// A light with the place of its node.
+pub struct PlacedLight<'a> {
+    pub light: &'a Light,
+    pub to_world: Affine3A,
+}
+
+/// The white of the picture: the spectrum that all lights share; D65 where they differ.
+pub fn white(document: &Document, placements: &[(usize, glam::Mat4)]) -> Emission {
+    let lights = placements.iter().flat_map(|(node, _)| &document.nodes[*node].items).filter_map(|item| match item {
+        Item::Light(index) => Some(&document.lights[*index].spectrum),
+        _ => None,
+    });
+    let surfaces = document.materials.iter().filter_map(|m| m.emission.as_ref()).map(|e| &e.spectrum);
+    let sky = document.environment.as_ref().map(|e| &e.spectrum);
+    let mut spectra = lights.chain(surfaces).chain(sky);
+    let Some(first) = spectra.next() else { return Emission::E };
+    if spectra.all(|spectrum| spectrum == first) { first.clone() } else { Emission::D65 }
+}
+
+/// Gives the emitting parts of a mesh their emitters, one per triangle.
+pub(super) fn add_mesh_emitters<M: Mode>(
+    assembly: &mut Assembly<M>,
+    mesh: &Mesh,
+    parts: &mut [Part],
+    place: u32,
+    to_world: &Affine3A,
+    handedness: f32,
+    hidden: bool,
+) {
+    for part in parts {
+        let Some(emission) = &assembly.materials[part.material as usize].emission else { continue };
+        let (strength, two_sided) = (emission.strength(), emission.two_sided);
+        part.emitter = assembly.emitters.len() as u32;
+        for prim in part.first..part.end {
+            let corners = mesh.triangles[prim as usize].map(|i| to_world.transform_point3(mesh.positions[i as usize]));
+            let triangle = Triangle::new((place, part.material, prim), corners, handedness, two_sided, hidden);
+            let sides = if two_sided { 2.0 } else { 1.0 };
+            assembly.power.push(PI * sides * triangle.area_m2 * strength);
+            assembly.emitters.push(Emitter::Triangle(triangle));
+        }
+    }
+}
+
+/// The emitter number of a sphere, `u32::MAX` when its material does not shine.
+pub(super) fn add_sphere_emitter<M: Mode>(
+    assembly: &mut Assembly<M>,
+    place: u32,
+    material: u32,
+    center: Vec3,
+    radius: f32,
+    hidden: bool,
+) -> u32 {
+    let Some(emission) = &assembly.materials[material as usize].emission else { return u32::MAX };
+    let strength = emission.strength();
+    let emitter = assembly.emitters.len() as u32;
+    assembly.power.push(4.0 * PI * PI * radius * radius * strength);
+    assembly.emitters.push(Emitter::Sphere(Sphere { place, material, center, radius, hidden }));
+    emitter
+}
+
+pub(super) fn place_light<M: Mode>(
+    assembly: &mut Assembly<M>,
+    placed: &PlacedLight,
+    sensor: &Sensor,
+    options: &BuildOptions,
+) -> Result<(), BuildError> {
+    let PlacedLight { light, to_world } = placed;
+    let position = Vec3::from(to_world.translation);
+    let intensity = || source::<M>(light.color, &light.spectrum, sensor);
+    let strength = light.color.element_sum() / 3.0;
+    let mut add = |emitter, power| {
+        assembly.emitters.push(emitter);
+        assembly.power.push(power);
+    };
+    match light.kind {
+        LightKind::Area { shape, visible } => place_area(assembly, placed, shape, visible, light.color, sensor, options)?,
+        LightKind::Point { radius_m, falloff: Falloff::Physical } if radius_m > 0.0 => {
+            // A sphere of radiance L has intensity L pi r^2.
+            let radiance = light.color / (PI * radius_m * radius_m);
+            let unit = Affine3A::from_translation(position) * Affine3A::from_scale(Vec3::splat(2.0 * radius_m));
+            let placed = PlacedLight { light, to_world: unit };
+            place_area(assembly, &placed, AreaShape::Sphere, true, radiance, sensor, options)?;
+        }
+        LightKind::Point { falloff, .. } => {
+            add(Emitter::Point { position, intensity: intensity(), falloff }, 4.0 * PI * strength);
+        }
+        LightKind::Spot { cone_deg, edge, falloff, .. } => {
+            let cos_half_cone = (0.5 * cone_deg.to_radians()).cos();
+            let axis = light::shining_direction(to_world);
+            let spot = Spot { position, axis, cos_half_cone, edge, intensity: intensity(), falloff };
+            add(Emitter::Spot(spot), 2.0 * PI * (1.0 - cos_half_cone) * strength);
+        }
+        LightKind::Directional { angle_deg } => {
+            let half_angle = 0.5 * angle_deg.to_radians();
+            let one_minus_cos = 2.0 * (0.5 * half_angle).sin().powi(2);
+            let toward = -light::shining_direction(to_world);
+            add(Emitter::Directional { toward, one_minus_cos, irradiance: intensity() }, f32::NAN);
+        }
+        LightKind::Ambient => add(Emitter::Sky(Sky::Hemisphere(intensity())), f32::NAN),
+    }
+    Ok(())
+}
+
+/// A rectangle, disc or sphere that radiates, with a black material of its own.
+fn place_area<M: Mode>(
+    assembly: &mut Assembly<M>,
+    placed: &PlacedLight,
+    shape: AreaShape,
+    visible: bool,
+    radiance: Vec3,
+    sensor: &Sensor,
+    options: &BuildOptions,
+) -> Result<(), BuildError> {
+    let emission = SurfaceEmission {
+        radiance: document::Texture::constant(radiance),
+        spectrum: placed.light.spectrum.clone(),
+        two_sided: false,
+    };
+    let description = document::Material {
+        id: placed.light.id.clone(),
+        base: Base::Black,
+        emission: Some(emission),
+        opacity: document::Scalar::constant(1.0),
+        ..document::Material::default()
+    };
+    let material = assembly.materials.len() as u32;
+    assembly.materials.push(Material::new(&description, sensor, options)?);
+    let to_world = placed.to_world;
+    if shape == AreaShape::Sphere {
+        let radius = 0.5 * to_world.matrix3.x_axis.length();
+        if visible {
+            return assembly.place_sphere(to_world, radius, material);
+        }
+        add_sphere_emitter(assembly, u32::MAX, material, Vec3::from(to_world.translation), radius, true);
+        return Ok(());
+    }
+    let mesh = if shape == AreaShape::Disk { disk() } else { rectangle() };
+    let count = mesh.triangles.len() as u32;
+    let mut parts = vec![Part { end: count, material, first: 0, emitter: u32::MAX, uv_set: 0 }];
+    if visible {
+        return assembly.place_copy(&mesh, to_world, parts);
+    }
+    let handedness = 1.0f32.copysign(to_world.matrix3.determinant());
+    add_mesh_emitters(assembly, &mesh, &mut parts, u32::MAX, &to_world, handedness, true);
+    Ok(())
+}
+
+/// The unit square in XY, facing -Z.
+fn rectangle() -> Mesh {
+    let positions = [(-0.5, -0.5), (-0.5, 0.5), (0.5, 0.5), (0.5, -0.5)].map(|(x, y)| Vec3::new(x, y, 0.0));
+    Mesh { positions: positions.to_vec(), triangles: vec![[0, 1, 2], [0, 2, 3]], ..Mesh::default() }
+}
+
+/// The disc of unit diameter in XY, facing -Z, as a polygon of the same area.
+fn disk() -> Mesh {
+    let step = 2.0 * PI / DISK_SIDES as f32;
+    let radius = 0.5 * (step / step.sin()).sqrt();
+    let mut positions = vec![Vec3::ZERO];
+    positions.extend((0..DISK_SIDES).map(|k| {
+        let (sin, cos) = (step * k as f32).sin_cos();
+        Vec3::new(radius * cos, radius * sin, 0.0)
+    }));
+    let triangles = (0..DISK_SIDES).map(|k| [0, 1 + (k + 1) % DISK_SIDES, 1 + k]).collect();
+    Mesh { positions, triangles, ..Mesh::default() }
+}
+
+/// Weighs parallel light and skies by what they send onto the scene's bounding sphere.
+pub(super) fn weigh_distant<M: Mode>(emitters: &[Emitter<M>], power: &mut [f32], bounds: (Vec3, Vec3)) {
+    let radius2 = 0.25 * (bounds.1 - bounds.0).length_squared();
+    for (emitter, power) in emitters.iter().zip(power) {
+        match emitter {
+            Emitter::Directional { irradiance, .. } => *power = PI * radius2 * irradiance.strength(),
+            Emitter::Sky(sky) => *power = 4.0 * PI * PI * radius2 * sky.strength(),
+            _ => {}
+        }
+    }
+}

@@ -1,0 +1,190 @@
+//! Images on surfaces: decoding and bilinear lookup.
+
+use std::sync::LazyLock;
+
+use glam::{Vec2, Vec3, Vec4};
+use image::DynamicImage;
+
+use super::BuildError;
+use crate::document::{Channel4, Encoding, Image, ImageSource, Map, Wrap};
+
+/// A decoded image. Row 0 is the top.
+pub struct Texture {
+    width: usize,
+    height: usize,
+    texels: Texels,
+}
+
+enum Texels {
+    /// As stored: sRGB or linear is decided by each [`Map`] that reads it.
+    Byte(Vec<[u8; 4]>),
+    Float(Vec<[f32; 4]>),
+}
+
+/// 8-bit sRGB code to linear value. IEC 61966-2-1.
+static SRGB_TO_LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| {
+    std::array::from_fn(|code| {
+        let c = code as f32 / 255.0;
+        if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+    })
+});
+
+impl Texture {
+    /// Reads and decodes an image file (PNG, JPEG, TGA, BMP, TIFF, HDR, EXR).
+    ///
+    /// # Errors
+    /// The file cannot be read or is not a picture; the message names its URI.
+    pub fn load(image: &Image) -> Result<Self, BuildError> {
+        let broken = |reason: String| BuildError::Image { uri: image.uri.clone(), reason };
+        let bytes = match &image.source {
+            ImageSource::File(path) => std::fs::read(path).map_err(|e| broken(e.to_string()))?,
+            ImageSource::Bytes(bytes) => bytes.clone(),
+            ImageSource::Missing => return Ok(Self::magenta()),
+        };
+        let is_exr = bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]);
+        if is_exr {
+            return Self::from_exr(&bytes).map_err(|e| broken(e.to_string()));
+        }
+        let decoded = image::ImageReader::new(std::io::Cursor::new(&bytes))
+            .with_guessed_format()
+            .map_err(|e| broken(e.to_string()))
+            // TGA has no signature: go by the name.
+            .and_then(|mut reader| {
+                if reader.format().is_none()
+                    && let Ok(format) = image::ImageFormat::from_path(&image.uri)
+                {
+                    reader.set_format(format);
+                }
+                reader.decode().map_err(|e| broken(e.to_string()))
+            })?;
+        Ok(Self::from_image(&decoded))
+    }
+
+    fn from_image(image: &DynamicImage) -> Self {
+        let (width, height) = (image.width() as usize, image.height() as usize);
+        let texels = match image {
+            DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_) => {
+                Texels::Float(image.to_rgba32f().pixels().map(|p| p.0).collect())
+            }
+            // 16-bit values keep their precision; they are as encoded as 8-bit ones, so mark nothing here.
+            _ => Texels::Byte(image.to_rgba8().pixels().map(|p| p.0).collect()),
+        };
+        Self { width, height, texels }
+    }
+
+    fn from_exr(bytes: &[u8]) -> Result<Self, exr::error::Error> {
+        use exr::prelude::{ReadChannels, ReadLayers};
+        let picture = exr::prelude::read()
+            .no_deep_data()
+            .largest_resolution_level()
+            .rgba_channels(
+                |size, _| (size.width(), vec![[0.0f32; 4]; size.area()]),
+                |(width, texels), position, (r, g, b, a): (f32, f32, f32, f32)| {
+                    texels[position.y() * *width + position.x()] = [r, g, b, a];
+                },
+            )
+            .first_valid_layer()
+            .all_attributes()
+            .from_buffered(std::io::Cursor::new(bytes))?;
+        let size = picture.layer_data.size;
+        Ok(Self { width: size.width(), height: size.height(), texels: Texels::Float(picture.layer_data.channel_data.pixels.1) })
+    }
+
+    /// One glaring texel in place of a missing image.
+    fn magenta() -> Self {
+        Self { width: 1, height: 1, texels: Texels::Float(vec![[1.0, 0.0, 1.0, 1.0]]) }
+    }
+
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// The texel in column x of row y, linear. Floating-point images are linear whatever the encoding says.
+    pub fn texel(&self, x: usize, y: usize, encoding: Encoding) -> Vec4 {
+        let index = y * self.width + x;
+        match &self.texels {
+            Texels::Float(texels) => Vec4::from_array(texels[index]),
+            Texels::Byte(texels) => {
+                let [r, g, b, a] = texels[index];
+                let decode = |code: u8| match encoding {
+                    Encoding::Srgb => SRGB_TO_LINEAR[code as usize],
+                    Encoding::Linear => f32::from(code) / 255.0,
+                };
+                Vec4::new(decode(r), decode(g), decode(b), f32::from(a) / 255.0)
+            }
+        }
+    }
+
+    /// Bilinear lookup; (0, 0) is the lower left corner of the image.
+    pub fn lookup(&self, uv: Vec2, wrap: [Wrap; 2], encoding: Encoding) -> Vec4 {
+        if !uv.is_finite() {
+            return Vec4::ZERO;
+        }
+        let x = uv.x * self.width as f32 - 0.5;
+        let y = (1.0 - uv.y) * self.height as f32 - 0.5;
+        let (x0, y0) = (x.floor(), y.floor());
+        let (fx, fy) = (x - x0, y - y0);
+        let at = |dx: f32, dy: f32| {
+            match (wrapped(x0 + dx, self.width, wrap[0]), wrapped(y0 + dy, self.height, wrap[1])) {
+                (Some(column), Some(row)) => self.texel(column, row, encoding),
+                _ => Vec4::ZERO,
+            }
+        };
+        let top = at(0.0, 0.0).lerp(at(1.0, 0.0), fx);
+        let bottom = at(0.0, 1.0).lerp(at(1.0, 1.0), fx);
+        top.lerp(bottom, fy)
+    }
+}
+
+/// The texel number for a coordinate outside or inside 0..count; `None` in a border.
+fn wrapped(position: f32, count: usize, wrap: Wrap) -> Option<usize> {
+    let n = count as f32;
+    let inside = match wrap {
+        Wrap::Repeat => position.rem_euclid(n),
+        Wrap::Clamp => position.clamp(0.0, n - 1.0),
+        Wrap::Mirror => {
+            let p = position.rem_euclid(2.0 * n);
+            if p < n { p } else { 2.0 * n - 1.0 - p }
+        }
+        Wrap::Border if !(0.0..n).contains(&position) => return None,
+        Wrap::Border => position,
+    };
+    Some((inside as usize).min(count - 1))
+}
+
+/// RGB at a surface point.
+pub fn lookup_rgb(textures: &[Texture], map: &Map, uv: Vec2) -> Vec3 {
+    textures[map.image].lookup(uv, map.wrap, map.encoding).truncate()
+}
+
+/// One channel at a surface point.
+pub fn lookup_scalar(textures: &[Texture], map: &Map, uv: Vec2) -> f32 {
+    let texel = textures[map.image].lookup(uv, map.wrap, map.encoding);
+    match map.channel {
+        Channel4::R => texel.x,
+        Channel4::G => texel.y,
+        Channel4::B => texel.z,
+        Channel4::A => texel.w,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lookups_blend_and_wrap() {
+        let texels = vec![[0, 0, 0, 255], [255, 255, 255, 255]];
+        let texture = Texture { width: 2, height: 1, texels: Texels::Byte(texels) };
+        let value = |u: f32, wrap| texture.lookup(Vec2::new(u, 0.5), [wrap, Wrap::Clamp], Encoding::Linear).x;
+        assert!((value(0.5, Wrap::Clamp) - 0.5).abs() < 1e-6);
+        assert_eq!(value(-3.0, Wrap::Clamp), 0.0);
+        assert!((value(1.0, Wrap::Repeat) - 0.5).abs() < 1e-6);
+        assert_eq!(value(1.0, Wrap::Mirror), 1.0);
+        assert_eq!(value(1.8, Wrap::Border), 0.0);
+    }
+}
