@@ -1,5 +1,34 @@
 //! pellicle: a path tracer for iridescence, light interfering in thin films.
+//!
+//! From `main` to a fringe: `cli` -> `batch::still` -> `render` -> `integrate::radiance` -> `Bsdf::sample` -> `Mode::split` ->
+//! `film`. A room knows only the rooms above it in this list:
+
+pub mod math;
 
 pub mod color;
+
+pub mod film;
+
 pub mod document;
-pub mod math;
+
+pub mod mode;
+
+pub mod bsdf;
+
+pub mod embree;
+
+pub mod scene;
+
+pub mod integrate;
+
+pub mod render;
+
+pub mod collada;
+
+pub mod output;
+
+pub mod batch;
+
+pub mod error;
+
+pub mod cli;

@@ -1,1 +1,7 @@
-fn main(){}
+//! The `pellicle` program.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    pellicle::cli::main()
+}

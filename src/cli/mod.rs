@@ -1,0 +1,73 @@
+//! The command line. The only room that prints.
+
+mod check;
+mod progress;
+mod render;
+mod scene_args;
+
+use std::io::Write;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+use crate::embree;
+use crate::error::Error;
+
+/// A path tracer for iridescence: light interfering in thin films.
+#[derive(Parser)]
+#[command(version = version(), propagate_version = true, max_term_width = 100)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Render(render::RenderArgs),
+    Check(check::CheckArgs),
+}
+
+/// Runs the program: 0 when all is done, else the code that [`Error::exit_code`] documents.
+pub fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let result = match cli.command {
+        Command::Render(args) => render::run(&args),
+        Command::Check(args) => check::run(&args),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            say(&format!("error: {error}"));
+            ExitCode::from(error.exit_code())
+        }
+    }
+}
+
+/// One line for people, on stderr; a closed stderr is no reason to stop.
+fn say(line: &str) {
+    let _ = writeln!(std::io::stderr(), "{line}");
+}
+
+/// Text that was asked for, on stdout; a reader that went away (`| head`) is no error.
+fn print(text: &str) -> Result<(), Error> {
+    let _ = std::io::stdout().write_all(text.as_bytes());
+    Ok(())
+}
+
+fn version() -> String {
+    let mut features = Vec::new();
+    #[cfg(target_arch = "x86_64")]
+    {
+        for (name, present) in [
+            ("avx512f", std::arch::is_x86_feature_detected!("avx512f")),
+            ("avx2", std::arch::is_x86_feature_detected!("avx2")),
+            ("fma", std::arch::is_x86_feature_detected!("fma")),
+            ("sse4.2", std::arch::is_x86_feature_detected!("sse4.2")),
+        ] {
+            if present {
+                features.push(name);
+            }
+        }
+    }
+    format!("{} (Embree {}; CPU: {})", env!("CARGO_PKG_VERSION"), embree::version(), features.join(" "))
+}

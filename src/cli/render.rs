@@ -1,0 +1,257 @@
+//! `pellicle render`: one picture.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use clap::{Args, ValueEnum};
+use signal_hook::consts::{SIGINT, SIGTERM};
+
+use super::progress::{Progress, ProgressArg};
+use super::say;
+use super::scene_args::{FramingArg, SceneArgs};
+use crate::batch::still::{self, StillPlan};
+use crate::error::Error;
+use crate::film::Rung;
+use crate::integrate::{PathLimits, Strategy};
+use crate::mode::Rgb;
+use crate::output::{self, ImageFormat};
+use crate::render::{Filter, Plan};
+use crate::scene::BuildOptions;
+
+/// Render a picture of a scene
+///
+/// Writes linear half-float EXR or sRGB PNG, whole or not at all. What the scene file says about size, samples, camera and
+/// so on holds unless an option overrides it.
+#[derive(Args)]
+#[command(after_help = "Examples:
+  pellicle render scenes/bubbles.dae -o bubbles.png
+  pellicle render scene.dae -o still.exr --size 3840x2160 --spp 1024
+  pellicle render scene.dae -o quick.png --spp 8 --exposure 1")]
+pub struct RenderArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Where to write the picture: .exr or .png
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Picture size in pixels; one of the two may be left out (`1280x`, `x720`)
+    #[arg(short = 'r', long, value_name = "WxH", value_parser = parse_size)]
+    size: Option<Size>,
+    /// Samples per pixel [default: the scene's, or 128]
+    #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    spp: Option<u32>,
+    /// Seed of the sample pattern [default: the scene's, or 0]
+    #[arg(long, value_name = "N")]
+    seed: Option<u32>,
+    /// Threads; 0 = all processors
+    #[arg(short, long, value_name = "N", default_value_t = 0)]
+    threads: usize,
+    /// Scattering events on a path: 0 sees lights only, 1 adds direct light [default: the scene's, or 16]
+    #[arg(long, value_name = "N")]
+    max_bounces: Option<u32>,
+    /// Camera, by its id or its node's
+    #[arg(long, value_name = "ID")]
+    camera: Option<String>,
+    /// How the camera is placed
+    #[arg(long, value_name = "RULE", value_enum, default_value = "auto")]
+    framing: FramingArg,
+    /// Pixel filter
+    #[arg(long, value_name = "NAME", value_enum, default_value = "blackman-harris")]
+    filter: FilterArg,
+    /// Colour transport
+    #[arg(long, value_name = "NAME", value_enum, default_value = "rgb")]
+    mode: ModeArg,
+    /// Film model, instead of the cheapest one within the tolerance
+    #[arg(long, value_name = "RUNG", value_enum)]
+    film: Option<RungArg>,
+    /// Colour error (CIEDE2000) that a cheaper film model may cost [default: the scene's, or 1]
+    #[arg(long, value_name = "DE")]
+    tolerance: Option<f32>,
+    /// How light is found; `light` and `bsdf` are there to check `mis`
+    #[arg(long, value_name = "NAME", value_enum, default_value = "mis")]
+    strategy: StrategyArg,
+    /// Brightness of PNG pictures, in stops [default: the scene's, or 0]
+    #[arg(long, value_name = "EV", allow_negative_numbers = true)]
+    exposure: Option<f32>,
+    /// Bits per channel of PNG pictures
+    #[arg(long, value_name = "BITS", value_parser = ["8", "16"], default_value = "8")]
+    png_depth: String,
+    /// Write 32-bit instead of 16-bit floats to EXR
+    #[arg(long)]
+    float: bool,
+    /// Write timings, counts and settings as JSON
+    #[arg(long, value_name = "FILE")]
+    stats: Option<PathBuf>,
+    /// How progress is shown on stderr
+    #[arg(long, value_name = "STYLE", value_enum, default_value = "auto")]
+    progress: ProgressArg,
+    /// Say nothing but errors
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum FilterArg {
+    Box,
+    Gaussian,
+    BlackmanHarris,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum ModeArg {
+    Rgb,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum RungArg {
+    /// No film at all
+    Bare,
+    /// One wavelength per channel
+    ThreeWave,
+    /// Belcour & Barla 2017
+    Gaussian,
+    /// The exact spectral integral, tabulated
+    Table,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum StrategyArg {
+    Mis,
+    Light,
+    Bsdf,
+}
+
+#[derive(Clone, Copy)]
+struct Size {
+    width: Option<u32>,
+    height: Option<u32>,
+}
+
+fn parse_size(text: &str) -> Result<Size, String> {
+    let (width, height) = text.split_once(['x', 'X']).ok_or("write it as WIDTHxHEIGHT, like 1920x1080")?;
+    let side = |digits: &str| match digits {
+        "" => Ok(None),
+        digits => match digits.parse() {
+            Ok(side @ 1..=65_535) => Ok(Some(side)),
+            _ => Err(format!("`{digits}` is not a whole number from 1 to 65535")),
+        },
+    };
+    match (side(width)?, side(height)?) {
+        (None, None) => Err("write it as WIDTHxHEIGHT, like 1920x1080".to_owned()),
+        (width, height) => Ok(Size { width, height }),
+    }
+}
+
+pub fn run(args: &RenderArgs) -> Result<(), Error> {
+    let signal = signals();
+    let inform = |line: &str| {
+        if !args.quiet {
+            say(line);
+        }
+    };
+    // Find out now, not after hours, whether the results can be written.
+    let format = ImageFormat::of(&args.output)?;
+    output::check_writable(&args.output)?;
+    if let Some(stats) = &args.stats {
+        output::check_writable(stats)?;
+    }
+
+    let loading = std::time::Instant::now();
+    let (document, warnings) = args.scene.load()?;
+    let parse_s = loading.elapsed().as_secs_f64();
+    if !args.quiet {
+        for warning in &warnings {
+            say(&format!("warning: {warning}"));
+        }
+    }
+
+    let plan = args.plan(&document.render);
+    let prepared = still::prepare::<Rgb>(&document, &plan)?;
+    for note in &prepared.notes {
+        inform(note);
+    }
+    inform(&prepared.summary(&document, &plan));
+
+    let style = if args.quiet { ProgressArg::None } else { args.progress };
+    let [width, height] = prepared.camera.size;
+    let samples = u64::from(width) * u64::from(height) * u64::from(plan.render.spp);
+    let progress = Progress::new(style, samples, signal.clone());
+    let frame = prepared.render(&plan, &progress)?;
+    progress.finish();
+
+    let mut stats = prepared.stats(&document, &plan, &frame, parse_s);
+    let picture = prepared.picture(&frame, &stats);
+    let written = still::write(&args.output, format, &picture, &plan)?;
+    stats.finish(&written);
+    if let Some(path) = &args.stats {
+        output::write_text(path, &stats.to_json())?;
+    }
+    inform(&stats.summary(&args.output));
+
+    match signal.load(Ordering::Relaxed) {
+        0 => Ok(()),
+        signal => Err(Error::Interrupted {
+            signal: signal as i32,
+            name: if signal as i32 == SIGINT { "SIGINT" } else { "SIGTERM" },
+            done: frame.spp,
+            wanted: plan.render.spp,
+        }),
+    }
+}
+
+impl RenderArgs {
+    /// What is meant: the command line over the scene's hints over the defaults.
+    fn plan(&self, hints: &crate::document::RenderHints) -> StillPlan {
+        let size = self.size.unwrap_or(Size { width: hints.width, height: hints.height });
+        StillPlan {
+            size: [size.width, size.height],
+            camera: self.camera.clone().or_else(|| hints.camera.clone()),
+            framing: self.framing.into(),
+            build: BuildOptions {
+                tolerance: self.tolerance.or(hints.tolerance).unwrap_or(1.0),
+                rung: self.film.map(|rung| match rung {
+                    RungArg::Bare => Rung::Bare,
+                    RungArg::ThreeWave => Rung::ThreeWave,
+                    RungArg::Gaussian => Rung::Gaussian,
+                    RungArg::Table => Rung::Table,
+                }),
+                threads: self.threads,
+            },
+            render: Plan {
+                spp: self.spp.or(hints.spp).unwrap_or(128),
+                seed: self.seed.or(hints.seed).unwrap_or(0),
+                threads: self.threads,
+                filter: match self.filter {
+                    FilterArg::Box => Filter::Box,
+                    FilterArg::Gaussian => Filter::Gaussian,
+                    FilterArg::BlackmanHarris => Filter::BlackmanHarris,
+                },
+                limits: PathLimits {
+                    max_bounces: self.max_bounces.or(hints.max_bounces).unwrap_or(16),
+                    strategy: match self.strategy {
+                        StrategyArg::Mis => Strategy::Mis,
+                        StrategyArg::Light => Strategy::Light,
+                        StrategyArg::Bsdf => Strategy::Bsdf,
+                    },
+                },
+            },
+            exposure_ev: self.exposure.or(hints.exposure_ev).unwrap_or(0.0),
+            png_depth: if self.png_depth == "16" { 16 } else { 8 },
+            float: self.float,
+        }
+    }
+}
+
+/// The number of the signal that asked the program to end, 0 until then. A second one ends it at once.
+fn signals() -> Arc<AtomicUsize> {
+    let signal = Arc::new(AtomicUsize::new(0));
+    let armed = Arc::new(std::sync::atomic::AtomicBool::new(false));
+    for number in [SIGINT, SIGTERM] {
+        // The order matters: the shutdown looks at the flag before the first signal sets it.
+        let code = 128 + number;
+        let _ = signal_hook::flag::register_conditional_shutdown(number, code, armed.clone());
+        let _ = signal_hook::flag::register(number, armed.clone());
+        let _ = signal_hook::flag::register_usize(number, signal.clone(), number as usize);
+    }
+    signal
+}

@@ -1,0 +1,38 @@
+//! The top error: one variant per room that can fail, and the exit code that each means.
+
+use thiserror::Error;
+
+use crate::collada::SceneError;
+use crate::output::OutputError;
+use crate::render::RenderError;
+use crate::scene::BuildError;
+
+#[derive(Debug, Error)]
+pub enum Error {
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    #[error("{scene}: {source}")]
+    Build { scene: String, source: BuildError },
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// What was asked for makes no sense together, or with this scene.
+    #[error("{0}")]
+    Usage(String),
+    /// Stopped by a signal; what was rendered has been written.
+    #[error("stopped by {name} after {done} of {wanted} samples per pixel; the picture holds what was done")]
+    Interrupted { signal: i32, name: &'static str, done: u32, wanted: u32 },
+}
+
+impl Error {
+    /// 1 scene or render error, 2 usage, 3 output, 128 + n stopped by signal n.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::Scene(_) | Self::Build { .. } | Self::Render(_) => 1,
+            Self::Usage(_) => 2,
+            Self::Output(_) => 3,
+            Self::Interrupted { signal, .. } => 128u8.saturating_add(*signal as u8),
+        }
+    }
+}
