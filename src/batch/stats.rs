@@ -1,0 +1,89 @@
+//! What a picture cost, as JSON for programs and as one line for people.
+
+use std::path::Path;
+
+use serde::Serialize;
+
+use crate::film::Verdict;
+
+/// Everything measured about one picture. Seconds end in `_s`.
+#[derive(Clone, Debug, Serialize)]
+pub struct Stats {
+    pub version: &'static str,
+    pub scene: String,
+    pub scene_sha256: String,
+    pub width: u32,
+    pub height: u32,
+    /// Samples per pixel that were taken.
+    pub spp: u32,
+    pub seed: u32,
+    pub mode: &'static str,
+    pub max_bounces: u32,
+    pub threads: usize,
+    pub triangles: u64,
+    /// Reading and interpreting the scene file.
+    pub parse_s: f64,
+    pub textures_s: f64,
+    pub materials_s: f64,
+    pub bvh_s: f64,
+    /// All of the above.
+    pub load_s: f64,
+    /// Wall and user + system seconds of rendering alone.
+    pub render_s: f64,
+    pub render_cpu_s: f64,
+    pub write_s: f64,
+    /// Since the process began to load.
+    pub total_s: f64,
+    pub rays: u64,
+    pub shadow_rays: u64,
+    pub samples_per_s: f64,
+    pub mrays_per_s: f64,
+    /// Samples that were not numbers; they count as black.
+    pub non_finite: u64,
+    /// Values that were too large for the file's half floats.
+    pub clamped: u64,
+    /// Pixels whose colour sRGB cannot show (PNG).
+    pub out_of_gamut: u64,
+    pub peak_rss_mb: f64,
+    pub films: Vec<FilmStats>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+pub struct FilmStats {
+    pub material: String,
+    pub verdict: Verdict,
+}
+
+impl Stats {
+    pub fn to_json(&self) -> String {
+        let mut text = serde_json::to_string_pretty(self).unwrap_or_default();
+        text.push('\n');
+        text
+    }
+
+    /// The closing line of a render.
+    pub fn summary(&self, output: &Path) -> String {
+        let mut line = format!(
+            "{}: {}x{}, {} spp in {:.2} s (load {:.2} s, write {:.2} s), {:.2} M samples/s, {:.0} MB",
+            output.display(),
+            self.width,
+            self.height,
+            self.spp,
+            self.render_s,
+            self.load_s,
+            self.write_s,
+            self.samples_per_s * 1e-6,
+            self.peak_rss_mb
+        );
+        for (count, what) in [
+            (self.non_finite, "samples were not numbers (please report this)"),
+            (self.clamped, "values were too large for half floats (use --float)"),
+            (self.out_of_gamut, "pixels are outside sRGB and were clipped"),
+        ] {
+            if count > 0 {
+                line.push_str(&format!("; {count} {what}"));
+            }
+        }
+        line
+    }
+}

@@ -1,0 +1,146 @@
+//! One picture.
+
+use std::path::Path;
+use std::time::Instant;
+
+use sha2::{Digest, Sha256};
+
+use super::stats::{FilmStats, Stats};
+use crate::document::{Document, Shape};
+use crate::error::Error;
+use crate::mode::Mode;
+use crate::output::{self, HeaderValue, ImageFormat, Picture, PngOptions, Written};
+use crate::render::{self, Frame, Plan, Watch};
+use crate::scene::{self, BuildOptions, Camera, Framing, Placed, Scene};
+
+/// What is to be made, with every default filled in.
+pub struct StillPlan {
+    pub size: [Option<u32>; 2],
+    /// Camera or node id; `None`: the first.
+    pub camera: Option<String>,
+    pub framing: Framing,
+    pub build: BuildOptions,
+    pub render: Plan,
+    /// PNG only.
+    pub exposure_ev: f32,
+    pub png_depth: u8,
+    /// 32-bit EXR.
+    pub float: bool,
+}
+
+/// A scene that is ready to render.
+pub struct Prepared<M: Mode> {
+    scene: Scene<M>,
+    pub camera: Camera,
+    /// Decisions that a user should hear of.
+    pub notes: Vec<String>,
+    start: Instant,
+}
+
+/// Builds the scene and places the camera.
+///
+/// # Errors
+/// Images, indices or memory (see [`scene::build`]), or a camera that does not exist.
+pub fn prepare<M: Mode>(document: &Document, plan: &StillPlan) -> Result<Prepared<M>, Error> {
+    let start = Instant::now();
+    let name = document.path.display().to_string();
+    let scene = scene::build::<M>(document, &plan.build).map_err(|source| Error::Build { scene: name, source })?;
+    let (camera, placed) = Camera::new(document, plan.camera.as_deref(), plan.size, plan.framing, scene.bounds)
+        .map_err(Error::Usage)?;
+    let mut notes = Vec::new();
+    match placed {
+        Placed::AsWritten => {}
+        Placed::Cs184 => notes.push(
+            "framing: CS184 (the file's camera stands under its scene; --framing scene takes it literally)".to_owned(),
+        ),
+        Placed::Box => notes.push("warning: the scene has no camera; framing everything".to_owned()),
+    }
+    if scene.lights.emitters.is_empty() {
+        notes.push("warning: the scene has no light; the picture will be black".to_owned());
+    }
+    Ok(Prepared { scene, camera, notes, start })
+}
+
+impl<M: Mode> Prepared<M> {
+    /// The opening line of a render.
+    pub fn summary(&self, document: &Document, plan: &StillPlan) -> String {
+        let [width, height] = self.camera.size;
+        format!(
+            "{}: {} triangles, {} materials, {} lights; {width}x{height}, {} spp, {} bounces",
+            document.path.display(),
+            triangles(document),
+            document.materials.len(),
+            self.scene.lights.emitters.len(),
+            plan.render.spp,
+            plan.render.limits.max_bounces
+        )
+    }
+
+    /// # Errors
+    /// Threads or memory that the machine cannot give.
+    pub fn render(&self, plan: &StillPlan, watch: &dyn Watch) -> Result<Frame, Error> {
+        Ok(render::render(&self.scene, &self.camera, &plan.render, watch)?)
+    }
+
+    /// All that is known before the picture is written; [`Stats::finish`] adds the rest.
+    pub fn stats(&self, document: &Document, plan: &StillPlan, frame: &Frame, parse_s: f64) -> Stats {
+        let times = self.scene.times;
+        let load_s = parse_s + times.textures_s + times.materials_s + times.bvh_s;
+        let samples = f64::from(frame.width) * f64::from(frame.height) * f64::from(frame.spp);
+        let rays = frame.tally.rays + frame.tally.shadow_rays;
+        Stats {
+            version: env!("CARGO_PKG_VERSION"),
+            scene: document.path.display().to_string(),
+            scene_sha256: file_sha256(&document.path),
+            width: frame.width,
+            height: frame.height,
+            spp: frame.spp,
+            seed: plan.render.seed,
+            mode: M::NAME,
+            max_bounces: plan.render.limits.max_bounces,
+            threads: frame.threads,
+            triangles: triangles(document),
+            parse_s,
+            textures_s: times.textures_s,
+            materials_s: times.materials_s,
+            bvh_s: times.bvh_s,
+            load_s,
+            render_s: frame.render_s,
+            render_cpu_s: frame.render_cpu_s,
+            write_s: 0.0,
+            total_s: parse_s + self.start.elapsed().as_secs_f64(),
+            rays: frame.tally.rays,
+            shadow_rays: frame.tally.shadow_rays,
+            samples_per_s: samples / frame.render_s,
+            mrays_per_s: rays as f64 * 1e-6 / frame.render_s,
+            non_finite: frame.tally.non_finite,
+            clamped: 0,
+            out_of_gamut: 0,
+            peak_rss_mb: render::peak_rss_mb(),
+            films: self
+                .scene
+                .verdicts
+                .iter()
+                .map(|(material, verdict)| FilmStats { material: material.clone(), verdict: verdict.clone() })
+                .collect(),
+        }
+    }
+
+    /// The frame with the header that tells how it was made.
+    pub fn picture(&self, frame: &Frame, stats: &Stats) -> Picture {
+        let text = |value: &str| HeaderValue::Text(value.to_owned());
+        let header = vec![
+            ("pellicle/version".to_owned(), text(stats.version)),
+            ("pellicle/scene".to_owned(), text(&stats.scene)),
+            ("pellicle/sceneHash".to_owned(), text(&stats.scene_sha256)),
+            ("pellicle/mode".to_owned(), text(stats.mode)),
+            ("pellicle/seed".to_owned(), HeaderValue::Int(stats.seed as i32)),
+            ("pellicle/sampleRange".to_owned(), text(&format!("0-{}", stats.spp))),
+            ("pellicle/films".to_owned(), text(&serde_json::to_string(&stats.films).unwrap_or_default())),
+            ("samplesPerPixel".to_owned(), HeaderValue::Int(stats.spp as i32)),
+            ("renderTimeSeconds".to_owned(), HeaderValue::Float(stats.render_s as f32)),
+        ];
+        let rgba = frame.rgb.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect();
+        Picture { width: frame.width, height: frame.height, rgba, layers: Vec::new(), header }
+    }
+}

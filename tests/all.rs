@@ -1,0 +1,10 @@
+//! All tests, one binary. Each module says what it proves.
+
+mod bsdf; // sampling agrees with densities; energy; reciprocity
+mod collada; // files load to what they say; bad ones give exactly the error that helps
+mod embree; // layouts and hits against closed forms
+mod film; // the optics against independent truth tables
+mod house; // the order of the rooms, where unsafe may be, files that stay readable
+mod output; // files are whole or absent
+mod statistics; // the tests' own tools
+mod transport; // closed forms, strategies agree, threads do not matter
