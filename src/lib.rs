@@ -5,6 +5,7 @@
 
 pub mod math;
 
+pub mod collada;
 pub mod color;
 
 pub mod film;

@@ -1,0 +1,117 @@
+//! `<film>`: one homogeneous layer, its thickness constant or varying.
+
+use crate::collada::error::Fault;
+use crate::collada::loader::Loader;
+use crate::collada::xml::Element;
+use crate::color::Index;
+use crate::document::{Channel4, Film, Thickness};
+
+use super::index::{FILMS, GLASSES, METALS, named};
+use super::maps;
+use super::strict::{Bounds, Strict, at_most_one};
+
+/// Thickest film, in nm.
+const LIMIT_NM: f32 = 50_000.0;
+
+/// All `<film>` children of a base, outermost first.
+pub fn stack<'a>(loader: &mut Loader<'a>, base: Element<'a>, user: &str) -> Result<Vec<Film>, Fault> {
+    let mut films = Vec::new();
+    let mut varies = false;
+    for element in base.children_named("film") {
+        let film = read(loader, element, user)?;
+        let varying = !matches!(film.thickness, Thickness::Constant { .. });
+        if varying && varies {
+            let fault = element.fault("a second film of this stack varies in thickness");
+            return Err(fault.hint("one film of a stack may have <noise>, <drain> or <map>; the others are constant"));
+        }
+        varies |= varying;
+        films.push(film);
+    }
+    Ok(films)
+}
+
+fn read<'a>(loader: &mut Loader<'a>, element: Element<'a>, user: &str) -> Result<Film, Fault> {
+    let mut strict = Strict::new(element);
+    let nm = thickness_nm(&mut strict, "thickness_nm")?;
+    let material = named(&mut strict, "material", &[&FILMS, &GLASSES, &METALS])?;
+    let ior = strict.number("ior", Bounds::Within(0.01, 10.0))?;
+    let k = strict.number("k", Bounds::AtLeast(0.0))?;
+    let weight = strict.number("weight", Bounds::Within(0.0, 1.0))?.unwrap_or(1.0);
+    strict.not_both("material", "ior")?;
+    strict.not_both("material", "k")?;
+    let index = match (material, ior) {
+        (Some(material), _) => material,
+        (None, Some(n)) => Index::Constant { n, k: k.unwrap_or(0.0) },
+        (None, None) => {
+            let fault = element.fault("<film> has neither `ior` nor `material`");
+            return Err(fault.hint(format!("materials: {}", FILMS.join(", "))));
+        }
+    };
+    let varying = at_most_one(element, &["noise", "drain", "map"])?;
+    let required = || strict.required("thickness_nm", nm);
+    let thickness = match varying {
+        None => Thickness::Constant { nm: required()? },
+        Some(noise_element) if noise_element.name() == "noise" => noise(noise_element, required()?)?,
+        Some(other) => {
+            if nm.is_some() {
+                let seen = format!("`thickness_nm` of a <film> whose thickness comes from <{}>", other.name());
+                loader.warnings.add(element, seen, "it has no meaning there and is ignored");
+            }
+            if other.name() == "drain" { drain(other)? } else { map(loader, other, user)? }
+        }
+    };
+    strict.finish(&["noise", "drain", "map"])?;
+    Ok(Film { index, thickness, weight })
+}
+
+/// 0, or 1 to the limit: a film of a fraction of a nanometre is a film in micrometres.
+fn thickness_nm(strict: &mut Strict, name: &'static str) -> Result<Option<f32>, Fault> {
+    let Some(value) = strict.number(name, Bounds::AtLeast(0.0))? else { return Ok(None) };
+    let fault = |message: String| strict.element.fault_at_value(name, message);
+    if value > 0.0 && value < 1.0 {
+        let hint = format!("did you mean um? {value} um are {} nm", value * 1000.0);
+        return Err(fault(format!("`{name}` is {value}; it must be 0 or lie in 1..{LIMIT_NM}")).hint(hint));
+    }
+    if value > LIMIT_NM {
+        let hint = format!("did you mean um? the limit is {} um", LIMIT_NM / 1000.0);
+        return Err(fault(format!("`{name}` is {value}; it must lie in 0..{LIMIT_NM}")).hint(hint));
+    }
+    Ok(Some(value))
+}
+
+fn noise(element: Element, nm: f32) -> Result<Thickness, Fault> {
+    let mut strict = Strict::new(element);
+    let noise = Thickness::Noise {
+        nm,
+        amplitude: strict.number("amplitude", Bounds::Within(0.0, 1.0))?.unwrap_or(0.025),
+        frequency: strict.number("frequency", Bounds::AtLeast(0.0))?.unwrap_or(4.0),
+        octaves: strict.whole("octaves", 1, 16)?.unwrap_or(1),
+        seed: strict.whole("seed", 0, u32::MAX)?.unwrap_or(0),
+    };
+    strict.finish(&[])?;
+    Ok(noise)
+}
+
+fn drain(element: Element) -> Result<Thickness, Fault> {
+    let mut strict = Strict::new(element);
+    let top_nm = thickness_nm(&mut strict, "top_nm")?;
+    let top_nm = strict.required("top_nm", top_nm)?;
+    let bottom_nm = thickness_nm(&mut strict, "bottom_nm")?;
+    let bottom_nm = strict.required("bottom_nm", bottom_nm)?;
+    let exponent = strict.number("exponent", Bounds::Positive)?.unwrap_or(1.0);
+    strict.finish(&[])?;
+    Ok(Thickness::Drain { top_nm, bottom_nm, exponent })
+}
+
+fn map<'a>(loader: &mut Loader<'a>, element: Element<'a>, user: &str) -> Result<Thickness, Fault> {
+    let mut strict = Strict::new(element);
+    let mut map = maps::image(loader, &mut strict, user)?;
+    let min_nm = thickness_nm(&mut strict, "min_nm")?;
+    let min_nm = strict.required("min_nm", min_nm)?;
+    let max_nm = thickness_nm(&mut strict, "max_nm")?;
+    let max_nm = strict.required("max_nm", max_nm)?;
+    let channels = [("r", Channel4::R), ("g", Channel4::G), ("b", Channel4::B), ("a", Channel4::A)];
+    map.channel = strict.choice("channel", &channels)?.unwrap_or_default();
+    strict.finish(&[])?;
+    Ok(Thickness::Map { min_nm, max_nm, map })
+}

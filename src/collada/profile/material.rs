@@ -1,0 +1,97 @@
+//! The four bases: `<diffuse>`, `<conductor>`, `<dielectric>`, `<emitter>`.
+
+use glam::Vec3;
+
+use crate::collada::error::Fault;
+use crate::collada::loader::Loader;
+use crate::collada::xml::Element;
+use crate::color::Index;
+use crate::document::{Base, Distribution, Encoding, Material, Microfacets, Scalar, SurfaceEmission, Texture};
+
+use super::film;
+use super::index::{self, GLASSES, named};
+use super::maps;
+use super::spectrum;
+use super::strict::{Bounds, Strict, at_most_one, only_children};
+
+const BASES: [&str; 4] = ["diffuse", "conductor", "dielectric", "emitter"];
+
+/// Children that a base with a surface may have.
+const SURFACE_CHILDREN: [&str; 3] = ["film", "map", "normal_map"];
+
+/// Reads the technique of an effect. `user` names the material for messages.
+pub fn read<'a>(loader: &mut Loader<'a>, technique: Element<'a>, user: &str) -> Result<Material, Fault> {
+    only_children(technique, &BASES)?;
+    let Some(base) = at_most_one(technique, &BASES)? else {
+        let fault = technique.fault("this technique holds no base");
+        return Err(fault.hint("one of <diffuse>, <conductor>, <dielectric>, <emitter>"));
+    };
+    let mut material = Material { opacity: Scalar::constant(1.0), ..Material::default() };
+    if base.name() == "emitter" {
+        material.base = Base::Black;
+        material.emission = Some(emitter(base)?);
+        return Ok(material);
+    }
+    material.films = film::stack(loader, base, user)?;
+    if let Some(element) = at_most_one(base, &["normal_map"])? {
+        material.normal_map = Some(maps::normal_map(loader, element, user)?);
+    }
+    material.base = match base.name() {
+        "diffuse" => diffuse(loader, base, user)?,
+        "conductor" => conductor(loader, base, user)?,
+        _ => dielectric(loader, base, user)?,
+    };
+    Ok(material)
+}
+
+fn emitter(element: Element) -> Result<SurfaceEmission, Fault> {
+    if let Some(film) = element.child("film") {
+        let fault = film.fault("an <emitter> reflects nothing, so it can have no <film>");
+        return Err(fault.hint("put the film on a <diffuse>, <conductor> or <dielectric>"));
+    }
+    let mut strict = Strict::new(element);
+    let radiance = strict.rgb("radiance", Bounds::AtLeast(0.0))?.unwrap_or(Vec3::ONE);
+    let spectrum = spectrum::read(&mut strict, "spectrum")?.unwrap_or_default();
+    let two_sided = strict.flag("two_sided")?.unwrap_or(true);
+    strict.finish(&[])?;
+    Ok(SurfaceEmission { radiance: Texture::constant(radiance), spectrum, two_sided })
+}
+
+fn diffuse<'a>(loader: &mut Loader<'a>, element: Element<'a>, user: &str) -> Result<Base, Fault> {
+    let mut strict = Strict::new(element);
+    let value = strict.rgb("reflectance", Bounds::Within(0.0, 1.0))?;
+    let ior = strict.number("ior", Bounds::Within(1.0, 5.0))?.unwrap_or(1.5);
+    let map = maps::base_map(loader, element, "reflectance", Encoding::Srgb, user)?;
+    // With an image, an explicit value tints it.
+    let value = value.unwrap_or(if map.is_some() { Vec3::ONE } else { Vec3::splat(0.5) });
+    strict.finish(&SURFACE_CHILDREN)?;
+    Ok(Base::Diffuse { reflectance: Texture { value, map }, ior })
+}
+
+fn conductor<'a>(loader: &mut Loader<'a>, element: Element<'a>, user: &str) -> Result<Base, Fault> {
+    let mut strict = Strict::new(element);
+    let index = index::conductor(&mut strict)?;
+    let microfacets = microfacets(loader, &mut strict, user)?;
+    strict.finish(&SURFACE_CHILDREN)?;
+    Ok(Base::Conductor { index, microfacets })
+}
+
+fn dielectric<'a>(loader: &mut Loader<'a>, element: Element<'a>, user: &str) -> Result<Base, Fault> {
+    let mut strict = Strict::new(element);
+    let ior = strict.number("ior", Bounds::Within(1.0, 5.0))?;
+    let glass = named(&mut strict, "glass", &[&GLASSES])?;
+    strict.not_both("glass", "ior")?;
+    let index = glass.unwrap_or(Index::Constant { n: ior.unwrap_or(1.5), k: 0.0 });
+    let microfacets = microfacets(loader, &mut strict, user)?;
+    let absorption_per_m = strict.rgb("absorption_per_m", Bounds::AtLeast(0.0))?.unwrap_or(Vec3::ZERO);
+    strict.finish(&SURFACE_CHILDREN)?;
+    Ok(Base::Dielectric { index, microfacets, absorption_per_m, fresnel: true })
+}
+
+fn microfacets<'a>(loader: &mut Loader<'a>, strict: &mut Strict<'a>, user: &str) -> Result<Microfacets, Fault> {
+    let value = strict.number("roughness", Bounds::Within(0.0, 1.0))?.unwrap_or(0.0);
+    let words = [("ggx", Distribution::Ggx), ("beckmann", Distribution::Beckmann)];
+    let distribution = strict.choice("distribution", &words)?.unwrap_or_default();
+    let map = maps::base_map(loader, strict.element, "roughness", Encoding::Linear, user)?;
+    Ok(Microfacets { distribution, roughness: Scalar { value, map } })
+}
