@@ -18,6 +18,8 @@ pub trait Mode: Copy + Debug + Send + Sync + 'static {
     /// A compiled light spectrum.
     type Spectrum: Send + Sync;
 
+    /// As in `--mode` and the stats.
+    const NAME: &'static str;
     /// True when [`Mode::waves`] wants a random number.
     const SAMPLES_WAVES: bool;
 
@@ -55,6 +57,7 @@ impl Mode for Rgb {
     type Waves = ();
     type Film = RgbFilm;
     type Spectrum = Vec3;
+    const NAME: &'static str = "rgb";
     const SAMPLES_WAVES: bool = false;
 
     #[inline]

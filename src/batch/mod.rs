@@ -1,6 +1,7 @@
 //! Jobs: load once, build once, render, save.
 
-pub mod still;
+pub mod describe;
 mod stats;
+pub mod still;
 
 pub use stats::Stats;

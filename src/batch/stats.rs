@@ -5,6 +5,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use crate::film::Verdict;
+use crate::output::Written;
 
 /// Everything measured about one picture. Seconds end in `_s`.
 #[derive(Clone, Debug, Serialize)]
@@ -59,6 +60,14 @@ impl Stats {
         let mut text = serde_json::to_string_pretty(self).unwrap_or_default();
         text.push('\n');
         text
+    }
+
+    /// Adds what writing the picture told.
+    pub fn finish(&mut self, written: &Written, write_s: f64) {
+        self.clamped = written.clamped;
+        self.out_of_gamut = written.out_of_gamut;
+        self.write_s = write_s;
+        self.total_s += write_s;
     }
 
     /// The closing line of a render.

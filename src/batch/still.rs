@@ -9,7 +9,7 @@ use super::stats::{FilmStats, Stats};
 use crate::document::{Document, Shape};
 use crate::error::Error;
 use crate::mode::Mode;
-use crate::output::{self, HeaderValue, ImageFormat, Picture, PngOptions, Written};
+use crate::output::{self, Format, HeaderValue, Picture, PngDepth, Written};
 use crate::render::{self, Frame, Plan, Watch};
 use crate::scene::{self, BuildOptions, Camera, Framing, Placed, Scene};
 
@@ -23,7 +23,7 @@ pub struct StillPlan {
     pub render: Plan,
     /// PNG only.
     pub exposure_ev: f32,
-    pub png_depth: u8,
+    pub png_depth: PngDepth,
     /// 32-bit EXR.
     pub float: bool,
 }
@@ -143,4 +143,31 @@ impl<M: Mode> Prepared<M> {
         let rgba = frame.rgb.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect();
         Picture { width: frame.width, height: frame.height, rgba, layers: Vec::new(), header }
     }
+}
+
+/// Writes the picture in the format that its name asks for, and says how long that took.
+///
+/// # Errors
+/// The file cannot be written; an old file of that name is untouched then.
+pub fn write(path: &Path, format: Format, picture: &Picture, plan: &StillPlan) -> Result<(Written, f64), Error> {
+    let start = Instant::now();
+    let written = match format {
+        Format::Exr => output::write_exr(path, picture, plan.float)?,
+        Format::Png => output::write_png(path, picture, plan.exposure_ev, plan.png_depth)?,
+    };
+    Ok((written, start.elapsed().as_secs_f64()))
+}
+
+fn triangles(document: &Document) -> u64 {
+    let count = |shape: &Shape| match shape {
+        Shape::Mesh(mesh) => mesh.triangles.len() as u64,
+        Shape::Sphere { .. } => 0,
+    };
+    document.geometries.iter().map(|geometry| count(&geometry.shape)).sum()
+}
+
+/// Of the scene file's bytes, as hexadecimal; empty when it has gone.
+fn file_sha256(path: &Path) -> String {
+    let Ok(bytes) = std::fs::read(path) else { return String::new() };
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -15,7 +15,7 @@ use crate::error::Error;
 use crate::film::Rung;
 use crate::integrate::{PathLimits, Strategy};
 use crate::mode::Rgb;
-use crate::output::{self, ImageFormat};
+use crate::output::{self, PngDepth};
 use crate::render::{Filter, Plan};
 use crate::scene::BuildOptions;
 
@@ -150,8 +150,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Error> {
         }
     };
     // Find out now, not after hours, whether the results can be written.
-    let format = ImageFormat::of(&args.output)?;
-    output::check_writable(&args.output)?;
+    let format = output::check_picture(&args.output)?;
     if let Some(stats) = &args.stats {
         output::check_writable(stats)?;
     }
@@ -181,8 +180,8 @@ pub fn run(args: &RenderArgs) -> Result<(), Error> {
 
     let mut stats = prepared.stats(&document, &plan, &frame, parse_s);
     let picture = prepared.picture(&frame, &stats);
-    let written = still::write(&args.output, format, &picture, &plan)?;
-    stats.finish(&written);
+    let (written, write_s) = still::write(&args.output, format, &picture, &plan)?;
+    stats.finish(&written, write_s);
     if let Some(path) = &args.stats {
         output::write_text(path, &stats.to_json())?;
     }
@@ -236,7 +235,7 @@ impl RenderArgs {
                 },
             },
             exposure_ev: self.exposure.or(hints.exposure_ev).unwrap_or(0.0),
-            png_depth: if self.png_depth == "16" { 16 } else { 8 },
+            png_depth: if self.png_depth == "16" { PngDepth::Sixteen } else { PngDepth::Eight },
             float: self.float,
         }
     }

@@ -13,6 +13,7 @@ pub struct Frame {
     /// Variance of each pixel's mean, per channel; infinite below two samples.
     pub variance: Vec<[f32; 3]>,
     pub tally: Tally,
+    pub threads: usize,
     /// Wall and user + system seconds of rendering alone.
     pub render_s: f64,
     pub render_cpu_s: f64,
@@ -24,6 +25,7 @@ impl Frame {
         spp: u32,
         tiles: Vec<Tile>,
         tally: Tally,
+        threads: usize,
         render_s: f64,
         render_cpu_s: f64,
     ) -> Self {
@@ -45,6 +47,6 @@ impl Frame {
                 }
             }
         }
-        Self { width, height, spp, rgb, variance, tally, render_s, render_cpu_s }
+        Self { width, height, spp, rgb, variance, tally, threads, render_s, render_cpu_s }
     }
 }

@@ -96,7 +96,7 @@ pub fn render<M: Mode>(
     }
     let render_s = clock.elapsed().as_secs_f64();
     let render_cpu_s = cpu_seconds() - cpu_start;
-    Ok(Frame::resolve(camera.size, done, tiles, tally, render_s, render_cpu_s))
+    Ok(Frame::resolve(camera.size, done, tiles, tally, pool.current_num_threads(), render_s, render_cpu_s))
 }
 
 fn render_tile<M: Mode>(
