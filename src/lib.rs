@@ -4,8 +4,6 @@
 //! `film`. A room knows only the rooms above it in this list:
 
 pub mod math;
-
-pub mod collada;
 pub mod color;
 
 pub mod film;

@@ -69,7 +69,7 @@ impl Mode for Rgb {
     }
 
     fn spectrum(emission: &Emission, sensor: &Sensor) -> Vec3 {
-        let [r, g, b] = sensor.rgb_of_emission(emission);
+        let [r, g, b] = { let spectrum = emission.spectrum(); sensor.rgb_of_light(|nm| spectrum.at(nm)) };
         Vec3::new(r as f32, g as f32, b as f32)
     }
 

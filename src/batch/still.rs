@@ -141,7 +141,7 @@ impl<M: Mode> Prepared<M> {
             ("renderTimeSeconds".to_owned(), HeaderValue::Float(stats.render_s as f32)),
         ];
         let rgba = frame.rgb.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect();
-        Picture { width: frame.width, height: frame.height, rgba, layers: Vec::new(), header }
+        Picture { width: frame.width, height: frame.height, crop: None, rgba, layers: Vec::new(), header }
     }
 }
 

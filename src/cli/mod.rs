@@ -7,6 +7,7 @@ mod scene_args;
 
 use std::io::Write;
 use std::process::ExitCode;
+use std::sync::LazyLock;
 
 use clap::{Parser, Subcommand};
 
@@ -15,7 +16,7 @@ use crate::error::Error;
 
 /// A path tracer for iridescence: light interfering in thin films.
 #[derive(Parser)]
-#[command(version = version(), propagate_version = true, max_term_width = 100)]
+#[command(version = VERSION.as_str(), propagate_version = true, max_term_width = 100)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -54,7 +55,7 @@ fn print(text: &str) -> Result<(), Error> {
     Ok(())
 }
 
-fn version() -> String {
+static VERSION: LazyLock<String> = LazyLock::new(|| {
     let mut features = Vec::new();
     #[cfg(target_arch = "x86_64")]
     {
@@ -70,4 +71,4 @@ fn version() -> String {
         }
     }
     format!("{} (Embree {}; CPU: {})", env!("CARGO_PKG_VERSION"), embree::version(), features.join(" "))
-}
+});

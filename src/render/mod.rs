@@ -19,7 +19,7 @@ use crate::integrate::{PathLimits, Tally, radiance};
 use crate::math::Sampler;
 use crate::mode::{Lanes, Mode};
 use crate::scene::{Camera, Scene};
-use tile::{Pixel, TILE_SIDE, Tile};
+use tile::{Pixel, Tile};
 
 /// Largest number of samples that a pass adds to each pixel: passes are where a render can stop and report.
 const PASS_SPP: u32 = 16;
