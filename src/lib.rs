@@ -3,3 +3,4 @@
 pub mod color;
 pub mod document;
 pub mod embree;
+pub mod output;
