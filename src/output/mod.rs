@@ -1,5 +1,5 @@
 //! Files out: pictures as EXR and PNG, and text. Whatever is written appears whole under its name, or not at all
-//! ([`atomic`](self::atomic)).
+//! (`atomic.rs`).
 //!
 //! This room takes plain numbers ([`Picture`]) and knows nothing of how they were made.
 
