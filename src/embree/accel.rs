@@ -42,9 +42,9 @@ impl Accel {
     }
 
     fn commit(&mut self) -> Result<(), EmbreeError> {
+        self.built = false;
         // SAFETY: the scene is alive, and `&mut self` keeps rays away.
         unsafe { sys::rtcCommitScene(self.world.raw()) };
-        self.built = false;
         self.device.check("build the BVH of the scene")?;
         self.built = true;
         Ok(())

@@ -1,0 +1,116 @@
+//! PNG: sRGB, 8 or 16 bits, for looking at.
+
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+
+use png::{
+    BitDepth, ColorType, Decoder, Encoder, EncodingError, ScaledFloat, SourceChromaticities, SrgbRenderingIntent,
+};
+
+use super::atomic;
+use super::error::OutputError;
+use super::picture::{HeaderValue, Picture, Written};
+
+/// Bits per channel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PngDepth {
+    /// Dithered, so that smooth gradients show no bands: each value is rounded up or down by the share that is lost, in a
+    /// fixed pattern of pixel and channel. Values that 8 bits hold exactly stay as they are.
+    #[default]
+    Eight,
+    /// Rounded to the nearest.
+    Sixteen,
+}
+
+/// Writes R, G, B (over black) times 2^`exposure_ev`, clipped to 0..1, through the sRGB curve. The header goes into text
+/// chunks; extra layers stay behind. The same picture gives the same bytes.
+///
+/// # Errors
+/// Sizes that do not fit, or what the system says; the old file is untouched then.
+pub fn write_png(path: &Path, picture: &Picture, exposure_ev: f32, depth: PngDepth) -> Result<Written, OutputError> {
+    picture.check().map_err(|reason| OutputError::picture(path, reason))?;
+    let gain = exposure_ev.exp2();
+    let out_of_gamut = picture.rgba.iter().filter(|pixel| !in_gamut(pixel, gain)).count() as u64;
+    let bytes = encode(picture, gain, depth).map_err(|error| OutputError::picture(path, error))?;
+    atomic::save(path, &bytes)?;
+    Ok(Written { clamped: 0, out_of_gamut })
+}
+
+/// True if the file decodes to its end.
+pub(super) fn is_complete(path: &Path) -> bool {
+    let walk = || -> Result<(), png::DecodingError> {
+        let mut reader = Decoder::new(BufReader::new(File::open(path)?)).read_info()?;
+        while reader.next_row()?.is_some() {}
+        reader.finish()
+    };
+    walk().is_ok()
+}
+
+fn in_gamut(pixel: &[f32; 4], gain: f32) -> bool {
+    pixel[..3].iter().all(|value| (0.0..=1.0).contains(&(value * gain)))
+}
+
+fn encode(picture: &Picture, gain: f32, depth: PngDepth) -> Result<Vec<u8>, EncodingError> {
+    let mut file = Vec::new();
+    let mut encoder = Encoder::new(&mut file, picture.width, picture.height);
+    encoder.set_color(ColorType::Rgb);
+    encoder.set_depth(match depth {
+        PngDepth::Eight => BitDepth::Eight,
+        PngDepth::Sixteen => BitDepth::Sixteen,
+    });
+    // gAMA and cHRM say the same to readers that do not know sRGB (PNG specification, 11.3.3.5).
+    encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
+    encoder.set_source_gamma(ScaledFloat::from_scaled(45_455));
+    let (white, red, green, blue) = ((0.3127, 0.329), (0.64, 0.33), (0.3, 0.6), (0.15, 0.06));
+    encoder.set_source_chromaticities(SourceChromaticities::new(white, red, green, blue));
+    encoder.add_text_chunk("Software".to_string(), format!("pellicle {}", env!("CARGO_PKG_VERSION")))?;
+    for (name, value) in &picture.header {
+        let value = match value {
+            HeaderValue::Text(text) => text.clone(),
+            HeaderValue::Int(number) => number.to_string(),
+            HeaderValue::Float(number) => number.to_string(),
+        };
+        encoder.add_itxt_chunk(name.clone(), value)?;
+    }
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(&pixels(picture, gain, depth))?;
+    writer.finish()?;
+    Ok(file)
+}
+
+fn pixels(picture: &Picture, gain: f32, depth: PngDepth) -> Vec<u8> {
+    let width = picture.width as usize;
+    let mut bytes = Vec::with_capacity(picture.rgba.len() * 6);
+    for (index, pixel) in picture.rgba.iter().enumerate() {
+        for (channel, value) in pixel[..3].iter().enumerate() {
+            let code = srgb(value * gain);
+            match depth {
+                PngDepth::Eight => {
+                    let dither = threshold((index % width) as u32, (index / width) as u32, channel as u32);
+                    bytes.push((code * 255.0 + dither) as u8);
+                }
+                PngDepth::Sixteen => bytes.extend(((code * 65535.0 + 0.5) as u16).to_be_bytes()),
+            }
+        }
+    }
+    bytes
+}
+
+/// The sRGB curve (IEC 61966-2-1), clipped to 0..1; NaN becomes 0.
+fn srgb(linear: f32) -> f32 {
+    let linear = linear.clamp(0.0, 1.0);
+    // 1.055 p - 0.055, written so that 1 gives 1 to the last bit.
+    if linear <= 0.003_130_8 { 12.92 * linear } else { 1.0 + 1.055 * (linear.powf(1.0 / 2.4) - 1.0) }
+}
+
+/// What is added before cutting to whole numbers: in 0..1, evenly spread over any neighbourhood. Roberts's R2 sequence along
+/// both axes: fractions of x / p + y / p^2 with p = 1.3247... (the plastic number), a third further for each channel.
+fn threshold(x: u32, y: u32, channel: u32) -> f32 {
+    let steps = x
+        .wrapping_mul(3_242_174_889)
+        .wrapping_add(y.wrapping_mul(2_447_445_414))
+        .wrapping_add(channel.wrapping_mul(1_431_655_765));
+    // 16 bits, so that a sum with 255 is exact.
+    (steps >> 16) as f32 / 65_536.0
+}
