@@ -4,6 +4,7 @@
 //! `film`. A room knows only the rooms above it in this list:
 
 pub mod math;
+
 pub mod color;
 
 pub mod film;

@@ -67,8 +67,9 @@ pub fn delta_e_2000(one: Lab, two: Lab) -> f64 {
     let (d_l, d_c, d_h) = (two.l - one.l, c2 - c1, 2.0 * (c1 * c2).sqrt() * (0.5 * turn).sin());
     let (l, c) = (0.5 * (one.l + two.l), 0.5 * (c1 + c2));
     let degrees = PI / 180.0;
-    let t = 1.0 - 0.17 * (hue - 30.0 * degrees).cos() + 0.24 * (2.0 * hue).cos() + 0.32 * (3.0 * hue + 6.0 * degrees).cos()
-        - 0.20 * (4.0 * hue - 63.0 * degrees).cos();
+    let t =
+        1.0 - 0.17 * (hue - 30.0 * degrees).cos() + 0.24 * (2.0 * hue).cos() + 0.32 * (3.0 * hue + 6.0 * degrees).cos()
+            - 0.20 * (4.0 * hue - 63.0 * degrees).cos();
     let s_l = 1.0 + 0.015 * (l - 50.0).powi(2) / (20.0 + (l - 50.0).powi(2)).sqrt();
     let (s_c, s_h) = (1.0 + 0.045 * c, 1.0 + 0.015 * c * t);
     let rotation = 60.0 * degrees * (-((hue / degrees - 275.0) / 25.0).powi(2)).exp();

@@ -96,8 +96,8 @@ impl IndexCurve {
             check(n, k)?;
         }
         for pair in rows.windows(2) {
-            // Written so that NaN is refused too.
-            if !(pair[0].0 < pair[1].0) {
+            // A NaN is neither less nor greater, so it is refused too.
+            if pair[0].0.partial_cmp(&pair[1].0) != Some(std::cmp::Ordering::Less) {
                 return Err(IndexError::NotIncreasing { previous_nm: pair[0].0, nm: pair[1].0 });
             }
         }

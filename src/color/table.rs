@@ -22,7 +22,8 @@ fn row<const N: usize>(line: &str) -> Option<Row<N>> {
 /// Linear interpolation; the end values outside the table, zero in an empty one.
 pub fn interpolate<const N: usize>(rows: &[Row<N>], nm: f64) -> [f64; N] {
     let above = rows.partition_point(|row| row.0 <= nm);
-    let (Some(low), Some(high)) = (rows.get(above.saturating_sub(1)), rows.get(above.min(rows.len().saturating_sub(1))))
+    let (Some(low), Some(high)) =
+        (rows.get(above.saturating_sub(1)), rows.get(above.min(rows.len().saturating_sub(1))))
     else {
         return [0.0; N];
     };

@@ -1,0 +1,22 @@
+//! Thin-film optics: Fresnel reflection of bare and coated surfaces, exact and in cheaper rungs, and the ladder that
+//! chooses between them by measured error.
+
+mod average;
+mod bare;
+mod exact;
+mod grid;
+mod kernels;
+mod ladder;
+mod lanes;
+mod quadrature;
+mod rgb;
+mod spectral;
+mod stack;
+mod table;
+mod three_wave;
+
+pub use exact::exact;
+pub use ladder::{Rung, Trial, Verdict, choose};
+pub use rgb::RgbFilm;
+pub use spectral::{SpectralFilm, spectral};
+pub use stack::{Layer, Polarised, Range, Side, Split, Stack};
