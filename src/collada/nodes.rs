@@ -186,7 +186,10 @@ fn warn_misordered<'a>(loader: &mut Loader<'a>, node: Element<'a>, transforms: &
 
 fn warn_y_up<'a>(loader: &mut Loader<'a>, element: Element<'a>, node: &Node) {
     let is_z_up = loader.xml.root().descend(&["asset", "up_axis"]).is_some_and(|axis| axis.text() == "Z_UP");
-    if loader.blender.is_some() && is_z_up && blender::looks_y_up(node.local().x_axis.truncate()) {
+    if loader.blender.is_some_and(|version| version.exports_y_up())
+        && is_z_up
+        && blender::looks_y_up(node.local().x_axis.truncate())
+    {
         let advice = "Blender writes Z_UP even for a Y-up export: if the picture lies on its side, say --up-axis Y or export \
                       with Up = Z";
         loader.warnings.add(element, "a camera that stands upright for Y up in a Z_UP file", advice);
