@@ -1,5 +1,6 @@
 //! The state of one load: the parsed file, its ids, what has been read so far.
 
+use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
 
 use crate::document::{Document, Material, Scalar};
@@ -70,12 +71,14 @@ impl<'a> Loader<'a> {
         };
         for element in xml.all() {
             let Some(id) = element.attribute("id") else { continue };
-            let key = (element.name(), id);
-            if loader.ids.contains_key(&key) {
-                let seen = format!("id `{id}` is used by more than one <{}>", element.name());
-                loader.warnings.add(element, seen, "the first one counts");
-            } else {
-                loader.ids.insert(key, element.index());
+            match loader.ids.entry((element.name(), id)) {
+                Entry::Vacant(entry) => {
+                    entry.insert(element.index());
+                }
+                Entry::Occupied(_) => {
+                    let seen = format!("id `{id}` is used by more than one <{}>", element.name());
+                    loader.warnings.add(element, seen, "the first one counts");
+                }
             }
         }
         loader
