@@ -84,6 +84,9 @@ fn read<'a>(loader: &mut Loader<'a>, element: Element<'a>, chain: &mut Vec<Eleme
             loader.warnings.add(element, seen, "the camera is dropped: the scene's bounding box is framed");
             drop_cameras = true;
         }
+        Err(fault) if fault.hint.is_none() && holds_only_cameras(element) => {
+            return Err(fault.hint("--lenient drops this camera and frames the scene's bounding box"));
+        }
         Err(fault) => return Err(fault),
     }
     warn_misordered(loader, element, &node.transforms);
@@ -173,7 +176,8 @@ fn controller<'a>(
 
 fn holds_only_cameras(node: Element) -> bool {
     let content = |name: &str| name == "node" || name.starts_with("instance_");
-    node.children().filter(|child| content(child.name())).all(|child| child.name() == "instance_camera")
+    let mut contents = node.children().filter(|child| content(child.name())).peekable();
+    contents.peek().is_some() && contents.all(|child| child.name() == "instance_camera")
 }
 
 fn warn_misordered<'a>(loader: &mut Loader<'a>, node: Element<'a>, transforms: &[Transform]) {
