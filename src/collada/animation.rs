@@ -38,7 +38,7 @@ pub fn read(loader: &mut Loader) -> Result<(), Fault> {
 fn is_in_scene(loader: &Loader, target: &str) -> bool {
     let Some((id, path)) = target.split_once('/') else { return false };
     let sid = path.rsplit('/').next().unwrap_or_default().split(['.', '(']).next().unwrap_or_default();
-    let Some(element) = loader.by_id(id).filter(|_| !sid.is_empty()) else { return false };
+    let Some(element) = loader.by_id(id, &["node", "camera", "light"]) else { return false };
     let index = element.index();
     let used = match element.name() {
         "node" => loader.nodes.contains_key(&index),
@@ -46,7 +46,7 @@ fn is_in_scene(loader: &Loader, target: &str) -> bool {
         "light" => loader.lights.contains_key(&index),
         _ => false,
     };
-    used && has_sid(element, sid)
+    used && !sid.is_empty() && has_sid(element, sid)
 }
 
 fn has_sid(element: Element, sid: &str) -> bool {

@@ -17,6 +17,11 @@ impl Version {
     pub fn writes_watts(self) -> bool {
         self >= Self(2, 80)
     }
+
+    /// The choice of an up axis came with 2.8x.
+    pub fn exports_y_up(self) -> bool {
+        self >= Self(2, 80)
+    }
 }
 
 /// Reads `Blender 4.5.15 LTS ...`.
@@ -74,6 +79,26 @@ pub fn light_extra(technique: Element) -> Result<Option<LightExtra>, Fault> {
         shape,
         size,
     }))
+}
+
+/// The light as the common technique alone describes it, where Blender was told not to write its own profile.
+pub fn implied_extra(element: Element) -> Result<LightExtra, Fault> {
+    let number = |name: &str| element.child(name).map(numbers::single).transpose();
+    let lamp = match element.name() {
+        "ambient" => Lamp::Hemi,
+        "directional" => Lamp::Sun,
+        "spot" => Lamp::Spot,
+        _ => Lamp::Point,
+    };
+    Ok(LightExtra {
+        lamp,
+        radius: 0.0,
+        spot_size_deg: number("falloff_angle")?.unwrap_or(45.0),
+        // Blender writes its blend where the exponent belongs.
+        spot_blend: number("falloff_exponent")?.unwrap_or(0.15).clamp(0.0, 1.0),
+        shape: AreaShape::Rectangle,
+        size: (1.0, 1.0),
+    })
 }
 
 /// Blender 2.8 and later write decomposed transforms as scale, rotation, translation, which puts the translation through

@@ -19,7 +19,7 @@ pub fn load<'a>(loader: &mut Loader<'a>, camera: Element<'a>) -> Result<usize, F
         return Err(camera.fault("this <camera> has no <optics><technique_common>"));
     };
     let projection = if let Some(perspective) = optics.child("perspective") {
-        perspective_of(loader, perspective)?
+        perspective_of(perspective)?
     } else if let Some(orthographic) = optics.child("orthographic") {
         let (xmag, ymag) = (positive(orthographic, "xmag")?, positive(orthographic, "ymag")?);
         if xmag.is_none() && ymag.is_none() {
@@ -29,6 +29,11 @@ pub fn load<'a>(loader: &mut Loader<'a>, camera: Element<'a>) -> Result<usize, F
     } else {
         return Err(optics.fault("the camera is neither <perspective> nor <orthographic>"));
     };
+    let (Projection::Perspective { aspect, .. } | Projection::Orthographic { aspect, .. }) = projection;
+    if loader.blender.is_some() && aspect.is_some_and(|aspect| aspect < 1.0) {
+        let advice = "Blender writes the extent of its longer side as horizontal: the view is wider than Blender's";
+        loader.warnings.add(camera, "a portrait camera from Blender", advice);
+    }
     let lens = match profile::of(loader, camera) {
         Some(technique) => profile::scene::lens(technique)?,
         None => None,
@@ -43,7 +48,7 @@ pub fn load<'a>(loader: &mut Loader<'a>, camera: Element<'a>) -> Result<usize, F
     Ok(index)
 }
 
-fn perspective_of<'a>(loader: &mut Loader<'a>, perspective: Element<'a>) -> Result<Projection, Fault> {
+fn perspective_of(perspective: Element) -> Result<Projection, Fault> {
     let fov = |name: &str| -> Result<Option<f32>, Fault> {
         let value = positive(perspective, name)?;
         match perspective.child(name).filter(|_| value.is_some_and(|degrees| degrees >= 180.0)) {
@@ -56,11 +61,6 @@ fn perspective_of<'a>(loader: &mut Loader<'a>, perspective: Element<'a>) -> Resu
         return Err(perspective.fault("this <perspective> has neither <xfov> nor <yfov>"));
     }
     let aspect = positive(perspective, "aspect_ratio")?;
-    if loader.blender.is_some() && aspect.is_some_and(|aspect| aspect < 1.0) {
-        let advice =
-            "Blender writes its vertical angle as horizontal: the view is wider than Blender's unless <yfov> is set";
-        loader.warnings.add(perspective, "a portrait camera from Blender", advice);
-    }
     Ok(Projection::Perspective { xfov_deg, yfov_deg, aspect })
 }
 

@@ -33,7 +33,7 @@ pub fn drop_duplicates(loader: &mut Loader) {
         let is_dropped = |item: &Item| matches!(item, Item::Light(own) if *own == light);
         loader.document.nodes[node].items.retain(|item| !is_dropped(item));
         let seen = format!("CGL area light `{}` lies in an emissive mesh", loader.document.lights[light].id);
-        loader.warnings.add(loader.xml.root(), seen, "the mesh is the light: the area light is dropped");
+        loader.warnings.add(loader.light_elements[light], seen, "the mesh is the light: the area light is dropped");
     }
     forget_unused_lights(&mut loader.document);
 }

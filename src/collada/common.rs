@@ -86,7 +86,8 @@ fn warn_ignored<'a>(
     user: &str,
 ) -> Result<(), Fault> {
     let advice = "the surface is plain diffuse: describe it in profile \"pellicle\" to make it shine";
-    if matches!(shader.name(), "phong" | "blinn") {
+    // Blender up to 2.79 gave every material a highlight, wanted or not.
+    if matches!(shader.name(), "phong" | "blinn") && loader.blender.is_none() {
         let specular = value(loader, params, shader, "specular", user)?;
         if specular.is_some_and(|specular| !specular.is_black()) {
             loader.warnings.add(shader, "a <specular> highlight of a common material", advice);
@@ -183,7 +184,7 @@ fn texture_map<'a>(
     let sampler = params.get(name).and_then(|param| param.child("sampler2D"));
     let image = match sampler {
         Some(sampler) => sampled_image(loader, params, sampler)?,
-        None => match loader.by_id(name).filter(|element| element.name() == "image") {
+        None => match loader.by_id(name, &["image"]) {
             Some(image) => image,
             None => {
                 let fault = texture.fault_at_value("texture", format!("there is no sampler `{name}`"));
@@ -221,9 +222,9 @@ fn sampled_image<'a>(loader: &Loader<'a>, params: &Params<'a>, sampler: Element<
         return Err(fault.suggest(&sid, params.keys().copied()));
     };
     let id = init_from.text();
-    match loader.by_id(&id) {
-        Some(image) if image.name() == "image" => Ok(image),
-        _ => {
+    match loader.by_id(&id, &["image"]) {
+        Some(image) => Ok(image),
+        None => {
             let images = loader.xml.all().filter(|element| element.name() == "image");
             let fault = init_from.fault_at_text(format!("there is no <image> with id `{id}`"));
             Err(fault.suggest(&id, images.filter_map(|image| image.attribute("id"))))

@@ -24,7 +24,7 @@ pub fn from_element<'a>(loader: &mut Loader<'a>, image: Element<'a>, user: &str)
     if uri.is_empty() {
         return Err(init_from.fault(format!("image `{id}` names no file")));
     }
-    resolve(loader, id, &uri, user).map_err(|(message, hint)| Fault { hint, ..place.fault_at_text(message) })
+    resolve(loader, place, id, &uri, user).map_err(|(message, hint)| Fault { hint, ..place.fault_at_text(message) })
 }
 
 /// The image of an `image="..."` attribute of our own profile.
@@ -34,13 +34,13 @@ pub fn from_attribute<'a>(
     uri: &str,
     user: &str,
 ) -> Result<usize, Fault> {
-    resolve(loader, uri, uri, user)
+    resolve(loader, element, uri, uri, user)
         .map_err(|(message, hint)| Fault { hint, ..element.fault_at_value("image", message) })
 }
 
 type Refusal = (String, Option<String>);
 
-fn resolve(loader: &mut Loader, id: &str, uri: &str, user: &str) -> Result<usize, Refusal> {
+fn resolve<'a>(loader: &mut Loader<'a>, place: Element<'a>, id: &str, uri: &str, user: &str) -> Result<usize, Refusal> {
     if let Some(&index) = loader.images.get(uri) {
         return Ok(index);
     }
@@ -57,8 +57,8 @@ fn resolve(loader: &mut Loader, id: &str, uri: &str, user: &str) -> Result<usize
         Ok(Some(source)) => source,
         Ok(None) if loader.options.missing_texture == MissingTexture::Magenta => {
             let seen = format!("image `{uri}` of {user} is missing");
-            let root = loader.xml.root();
-            loader.warnings.add(root, seen, "it is shown as magenta");
+
+            loader.warnings.add(place, seen, "it is shown as magenta");
             ImageSource::Missing
         }
         Ok(None) => {
@@ -79,8 +79,8 @@ fn find_file(folder: &Path, allowed: &[PathBuf], path: &Path) -> Result<Option<I
     let inside = file.starts_with(folder)
         || allowed.iter().filter_map(|allowed| allowed.canonicalize().ok()).any(|allowed| file.starts_with(allowed));
     if !inside {
-        let parent = file.parent().unwrap_or(&file).display().to_string();
-        return Err(("lies outside the scene's folder".to_owned(), Some(format!("--allow-path {parent} permits it"))));
+        let hint = "--allow-path with the image's folder permits it".to_owned();
+        return Err(("lies outside the scene's folder".to_owned(), Some(hint)));
     }
     if !file.is_file() {
         return Err(("is not a file".to_owned(), None));

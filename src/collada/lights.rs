@@ -61,6 +61,7 @@ pub fn load<'a>(loader: &mut Loader<'a>, light: Element<'a>) -> Result<LoadedLig
     }
     let index = loader.document.lights.len();
     let id = light.attribute("id").unwrap_or_default().to_owned();
+    loader.light_elements.push(light);
     loader.document.lights.push(Light { id, kind, color, spectrum });
     if is_power {
         loader.powers.push((index, color));
@@ -112,6 +113,13 @@ fn source<'a>(
     };
     if let Some(extra) = extra {
         return blender_light(loader, element, extra, color);
+    }
+    if technique.name() == "technique_common" && loader.blender.is_some_and(|version| version.writes_watts()) {
+        if element.name() == "point" {
+            let advice = "an area light cannot be told from a point light: export with Blender's profile";
+            loader.warnings.add(element, "a point light from Blender without its extra data", advice);
+        }
+        return blender_light(loader, element, &blender::implied_extra(element)?, color);
     }
     let reading = match element.name() {
         "ambient" => Reading::new(LightKind::Ambient, color),

@@ -1,5 +1,6 @@
 //! The state of one load: the parsed file, its ids, what has been read so far.
 
+use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
 
 use crate::document::{Document, Material, Scalar};
@@ -23,7 +24,8 @@ pub struct Loader<'a> {
     pub blender: Option<Version>,
     /// Metres per file unit.
     pub meter: f32,
-    ids: HashMap<&'a str, usize>,
+    /// (element name, id) -> element: exporters reuse an id for things of different kinds.
+    ids: HashMap<(&'a str, &'a str), usize>,
     /// `<technique profile="pellicle">` elements that have been read.
     pub profile_read: HashSet<usize>,
     /// Element index -> index in the document; `None` for what has no shape.
@@ -32,6 +34,8 @@ pub struct Loader<'a> {
     pub effects_read: HashSet<usize>,
     pub images: HashMap<String, usize>,
     pub lights: HashMap<usize, LoadedLight>,
+    /// The element of each light in the document.
+    pub light_elements: Vec<Element<'a>>,
     /// Light index -> total power in W per channel, to become radiance once the area is known.
     pub powers: Vec<(usize, glam::Vec3)>,
     /// Lights that came from a CGL `<area>`.
@@ -58,6 +62,7 @@ impl<'a> Loader<'a> {
             effects_read: HashSet::new(),
             images: HashMap::new(),
             lights: HashMap::new(),
+            light_elements: Vec::new(),
             powers: Vec::new(),
             cgl_areas: HashSet::new(),
             cameras: HashMap::new(),
@@ -66,17 +71,23 @@ impl<'a> Loader<'a> {
         };
         for element in xml.all() {
             let Some(id) = element.attribute("id") else { continue };
-            if loader.ids.contains_key(id) {
-                loader.warnings.add(element, format!("id `{id}` is used more than once"), "the first one counts");
-            } else {
-                loader.ids.insert(id, element.index());
+            match loader.ids.entry((element.name(), id)) {
+                Entry::Vacant(entry) => {
+                    entry.insert(element.index());
+                }
+                Entry::Occupied(_) => {
+                    let seen = format!("id `{id}` is used by more than one <{}>", element.name());
+                    loader.warnings.add(element, seen, "the first one counts");
+                }
             }
         }
         loader
     }
 
-    pub fn by_id(&self, id: &str) -> Option<Element<'a>> {
-        self.ids.get(id).map(|&index| Element::new(self.xml, index))
+    /// The first element of one of these names with that id.
+    pub fn by_id(&self, id: &str, names: &[&str]) -> Option<Element<'a>> {
+        let index = names.iter().find_map(|name| self.ids.get(&(*name, id)))?;
+        Some(Element::new(self.xml, *index))
     }
 
     /// Resolves `attribute="#id"` of `element` to an element of one of the `wanted` names.
@@ -93,12 +104,14 @@ impl<'a> Loader<'a> {
             }
             return Err(fault(format!("`{reference}` is not a reference")).hint(format!("write `#{reference}`")));
         };
-        match self.by_id(id) {
-            Some(target) if wanted.contains(&target.name()) => Ok(target),
-            Some(target) => Err(fault(format!("`{reference}` is a <{}>, wanted is a <{kind}>", target.name()))),
+        if let Some(target) = self.by_id(id, wanted) {
+            return Ok(target);
+        }
+        match self.xml.all().find(|other| other.attribute("id") == Some(id)) {
+            Some(other) => Err(fault(format!("`{reference}` is a <{}>, wanted is a <{kind}>", other.name()))),
             None => {
-                let ids = self.ids.iter().filter(|(_, index)| wanted.contains(&Element::new(self.xml, **index).name()));
-                Err(fault(format!("there is no <{kind}> with id `{id}`")).suggest(id, ids.map(|(id, _)| *id)))
+                let ids = self.ids.keys().filter(|(name, _)| wanted.contains(name));
+                Err(fault(format!("there is no <{kind}> with id `{id}`")).suggest(id, ids.map(|(_, id)| *id)))
             }
         }
     }

@@ -184,6 +184,9 @@ fn assemble<'a>(
         let used: Vec<Stream> = channels.iter().flatten().copied().collect();
         let faces = primitives::read(loader, layout.primitive, layout.stride, &used, &pools.points.values)?;
         let columns: Vec<Option<Stream>> = separate.iter().map(|&channel| channels[channel]).collect();
+        if tuples.len() / width + 3 * faces.triangles.len() > ABSENT as usize {
+            return Err(layout.primitive.fault("the mesh has more than 2^32 corners"));
+        }
         let first_triangle = tuples.len() / (3 * width);
         tuples.reserve(faces.triangles.len() * 3 * width);
         for triangle in &faces.triangles {

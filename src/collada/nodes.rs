@@ -84,6 +84,9 @@ fn read<'a>(loader: &mut Loader<'a>, element: Element<'a>, chain: &mut Vec<Eleme
             loader.warnings.add(element, seen, "the camera is dropped: the scene's bounding box is framed");
             drop_cameras = true;
         }
+        Err(fault) if fault.hint.is_none() && holds_only_cameras(element) => {
+            return Err(fault.hint("--lenient drops this camera and frames the scene's bounding box"));
+        }
         Err(fault) => return Err(fault),
     }
     warn_misordered(loader, element, &node.transforms);
@@ -173,7 +176,8 @@ fn controller<'a>(
 
 fn holds_only_cameras(node: Element) -> bool {
     let content = |name: &str| name == "node" || name.starts_with("instance_");
-    node.children().filter(|child| content(child.name())).all(|child| child.name() == "instance_camera")
+    let mut contents = node.children().filter(|child| content(child.name())).peekable();
+    contents.peek().is_some() && contents.all(|child| child.name() == "instance_camera")
 }
 
 fn warn_misordered<'a>(loader: &mut Loader<'a>, node: Element<'a>, transforms: &[Transform]) {
@@ -186,7 +190,10 @@ fn warn_misordered<'a>(loader: &mut Loader<'a>, node: Element<'a>, transforms: &
 
 fn warn_y_up<'a>(loader: &mut Loader<'a>, element: Element<'a>, node: &Node) {
     let is_z_up = loader.xml.root().descend(&["asset", "up_axis"]).is_some_and(|axis| axis.text() == "Z_UP");
-    if loader.blender.is_some() && is_z_up && blender::looks_y_up(node.local().x_axis.truncate()) {
+    if loader.blender.is_some_and(|version| version.exports_y_up())
+        && is_z_up
+        && blender::looks_y_up(node.local().x_axis.truncate())
+    {
         let advice = "Blender writes Z_UP even for a Y-up export: if the picture lies on its side, say --up-axis Y or export \
                       with Up = Z";
         loader.warnings.add(element, "a camera that stands upright for Y up in a Z_UP file", advice);

@@ -1,6 +1,6 @@
 //! Area lights given in watts: radiance once the area in the world is known.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 use std::f32::consts::PI;
 
 use glam::{Mat4, Vec3};
@@ -22,12 +22,11 @@ pub fn area(shape: AreaShape, to_world: &Mat4) -> f32 {
 
 /// Radiance = power / (pi area), for a lambertian emitter. The first instance of a light decides.
 pub fn distribute(loader: &mut Loader) {
-    let powers: HashMap<usize, Vec3> = loader.powers.drain(..).collect();
+    let powers: BTreeMap<usize, Vec3> = loader.powers.drain(..).collect();
     if powers.is_empty() {
         return;
     }
-    let mut areas: HashMap<usize, f32> = HashMap::new();
-    let root = loader.xml.root();
+    let mut areas: BTreeMap<usize, f32> = BTreeMap::new();
     for (node, to_world) in loader.document.placements() {
         for item in &loader.document.nodes[node].items {
             let &Item::Light(light) = item else { continue };
@@ -39,11 +38,8 @@ pub fn distribute(loader: &mut Loader) {
             let first = *areas.entry(light).or_insert(own);
             if (own - first).abs() > 1e-3 * first {
                 let seen = format!("light `{}` is instantiated with different areas", loader.document.lights[light].id);
-                loader.warnings.add(
-                    root,
-                    seen,
-                    "its power is spread over the first; the others have the same radiance",
-                );
+                let advice = "its power is spread over the first; the others have the same radiance";
+                loader.warnings.add(loader.light_elements[light], seen, advice);
             }
         }
     }
@@ -53,7 +49,11 @@ pub fn distribute(loader: &mut Loader) {
             entry.color = powers[&light] / (PI * area);
         } else {
             entry.color = Vec3::ZERO;
-            loader.warnings.add(root, format!("light `{}` has no area", entry.id), "it gives no light");
+            loader.warnings.add(
+                loader.light_elements[light],
+                format!("light `{}` has no area", entry.id),
+                "it gives no light",
+            );
         }
     }
 }

@@ -21,6 +21,9 @@ pub fn read(loader: &mut Loader) -> Result<(), Fault> {
     if !version.starts_with("1.4") && !version.starts_with("1.5") {
         loader.warnings.add(root, format!("COLLADA version `{version}`"), "it is read as 1.4.1");
     }
+    if let Some(based) = loader.xml.all().find(|element| element.attribute("xml:base").is_some()) {
+        loader.warnings.add(based, "`xml:base`", "it is ignored: paths are relative to the scene file");
+    }
     let visual_scene = find(loader, root)?;
     asset::read(loader, visual_scene)?;
 

@@ -85,7 +85,7 @@ fn check_camera(loader: &Loader, element: Element, id: &str) -> Result<(), Fault
     let is_camera = |candidate: Element| {
         candidate.name() == "camera" || (candidate.name() == "node" && candidate.child("instance_camera").is_some())
     };
-    if loader.by_id(id).is_some_and(is_camera) {
+    if loader.by_id(id, &["camera", "node"]).is_some_and(is_camera) {
         return Ok(());
     }
     let fault = element.fault_at_value("camera", format!("there is no camera with id `{id}`"));

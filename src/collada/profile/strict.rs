@@ -89,6 +89,7 @@ impl<'a> Strict<'a> {
 
     /// Three numbers, or one for all three. A `colorspace` attribute beside it says how they are encoded.
     pub fn rgb(&mut self, name: &'static str, bounds: Bounds) -> Result<Option<Vec3>, Fault> {
+        let is_srgb = self.choice("colorspace", &[("linear", false), ("srgb", true)])?.unwrap_or(false);
         let value = match self.numbers(name, bounds)?.as_deref() {
             None => return Ok(None),
             Some(&[grey]) => Vec3::splat(grey),
@@ -98,10 +99,7 @@ impl<'a> Strict<'a> {
                 return Err(self.element.fault_at_value(name, message));
             }
         };
-        match self.choice("colorspace", &[("linear", false), ("srgb", true)])? {
-            Some(true) => Ok(Some(Vec3::from(value.to_array().map(srgb_to_linear)))),
-            _ => Ok(Some(value)),
-        }
+        Ok(Some(if is_srgb { Vec3::from(value.to_array().map(srgb_to_linear)) } else { value }))
     }
 
     pub fn whole(&mut self, name: &'static str, low: u32, high: u32) -> Result<Option<u32>, Fault> {
