@@ -45,7 +45,9 @@ pub struct Geometry {
 pub enum Shape {
     Mesh(Mesh),
     /// CGL `<sphere>`: centred on the node's origin; radius in file units, scaled by the node's local x axis.
-    Sphere { radius: f32 },
+    Sphere {
+        radius: f32,
+    },
 }
 
 /// Triangles with unified vertices: index `i` addresses position, normal and every texture coordinate set alike.
@@ -101,11 +103,22 @@ pub struct Transform {
 pub enum TransformKind {
     Matrix(Mat4),
     Translate(Vec3),
-    Rotate { axis: Vec3, angle_deg: f32 },
+    Rotate {
+        axis: Vec3,
+        angle_deg: f32,
+    },
     Scale(Vec3),
-    LookAt { eye: Vec3, target: Vec3, up: Vec3 },
+    LookAt {
+        eye: Vec3,
+        target: Vec3,
+        up: Vec3,
+    },
     /// RenderMan style: shear by `angle_deg` from `along` towards `around` is about `rotation` x `translation` axes.
-    Skew { angle_deg: f32, rotation: Vec3, translation: Vec3 },
+    Skew {
+        angle_deg: f32,
+        rotation: Vec3,
+        translation: Vec3,
+    },
 }
 
 /// What a node puts into the scene.
@@ -144,8 +157,14 @@ pub enum Base {
     /// Reflects nothing (a pure emitter).
     Black,
     /// Lambertian. Under a film it becomes an interfaced diffuse base whose inside has refractive index `ior`.
-    Diffuse { reflectance: Texture, ior: f32 },
-    Conductor { index: Index, microfacets: Microfacets },
+    Diffuse {
+        reflectance: Texture,
+        ior: f32,
+    },
+    Conductor {
+        index: Index,
+        microfacets: Microfacets,
+    },
     Dielectric {
         index: Index,
         microfacets: Microfacets,
@@ -208,13 +227,29 @@ pub struct Film {
 
 #[derive(Clone, Debug)]
 pub enum Thickness {
-    Constant { nm: f32 },
+    Constant {
+        nm: f32,
+    },
     /// nm * (1 + amplitude * noise(frequency * p)), improved Perlin noise in [-1, 1] at the object-space point.
-    Noise { nm: f32, amplitude: f32, frequency: f32, octaves: u32, seed: u32 },
+    Noise {
+        nm: f32,
+        amplitude: f32,
+        frequency: f32,
+        octaves: u32,
+        seed: u32,
+    },
     /// Gravity drainage between the object's highest and lowest point along world up.
-    Drain { top_nm: f32, bottom_nm: f32, exponent: f32 },
+    Drain {
+        top_nm: f32,
+        bottom_nm: f32,
+        exponent: f32,
+    },
     /// mix(min, max, texel), the texel read as linear data.
-    Map { min_nm: f32, max_nm: f32, map: Map },
+    Map {
+        min_nm: f32,
+        max_nm: f32,
+        map: Map,
+    },
 }
 
 /// An RGB value, times an image where there is one.

@@ -153,7 +153,11 @@ fn drawn_directions_have_the_stated_density() {
         observed.push(elsewhere);
         let p = chi_square(&observed, &expected);
         if p < significance || mass > 1.002 * f64::from(DRAWS) {
-            failures.push(format!("{} from {wo}: p = {p:.1e}, density integrates to {:.4}", case.name, mass / f64::from(DRAWS)));
+            failures.push(format!(
+                "{} from {wo}: p = {p:.1e}, density integrates to {:.4}",
+                case.name,
+                mass / f64::from(DRAWS)
+            ));
         }
     }
     assert!(failures.is_empty(), "{} of {}:\n{}", failures.len(), tests.len(), failures.join("\n"));
@@ -165,7 +169,9 @@ fn weights_are_value_over_density() {
         let bsdf = case.bsdf();
         for wo in case.views() {
             for index in 0..500 {
-                let Some(BsdfSample { wi, weight, pdf: Pdf::SolidAngle(pdf) }) = draw(&bsdf, wo, index) else { continue };
+                let Some(BsdfSample { wi, weight, pdf: Pdf::SolidAngle(pdf) }) = draw(&bsdf, wo, index) else {
+                    continue;
+                };
                 let (value, stated) = bsdf.eval(wo, wi, &());
                 assert!((stated / pdf - 1.0).abs() < 2e-2, "{}: sampled {pdf}, stated {stated}, {wo} {wi}", case.name);
                 for lane in 0..3 {
@@ -240,7 +246,11 @@ fn light_may_be_turned_around() {
             let back = bsdf.eval(wi, wo, &()).0 * (1.0 / (wo.z.abs() * index_at(wi)));
             for lane in 0..3 {
                 let (f, g) = (forth.0[lane], back.0[lane]);
-                assert!((f - g).abs() <= 1e-3 + 0.02 * f.abs().max(g.abs()), "{}: {f} and {g} for {wo} {wi}", case.name);
+                assert!(
+                    (f - g).abs() <= 1e-3 + 0.02 * f.abs().max(g.abs()),
+                    "{}: {f} and {g} for {wo} {wi}",
+                    case.name
+                );
             }
         }
     }
