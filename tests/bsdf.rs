@@ -2,7 +2,10 @@
 //! and light may be turned around.
 
 use glam::Vec3;
-use pellicle::bsdf::{Bsdf, BsdfSample, Coat, CoatedDiffuse, Conductor, Dielectric, Diffuse, Microfacets, Pdf};
+use pellicle::bsdf::{
+    Bsdf, BsdfSample, Coat, CoatedDiffuse, Conductor, Dielectric, Diffuse, Microfacets, Missing, Multiple, Pdf,
+    multiple_color,
+};
 use pellicle::color::{Emission, Index, Sensor};
 use pellicle::document::Distribution;
 use pellicle::film::{Layer, Range, RgbFilm, Side, Stack};
@@ -18,6 +21,8 @@ struct Case {
     kind: Kind,
     alpha: f32,
     distribution: Distribution,
+    /// What single scattering loses, from outside and from inside.
+    missing: [Option<Missing>; 2],
 }
 
 #[derive(Clone, Copy, PartialEq)]
@@ -41,7 +46,22 @@ fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
     let mut add = |name: &str, kind, alpha, distribution, base, layers: &[(f32, f64)]| {
         let name = format!("{name}, {distribution:?} {alpha}");
-        cases.push(Case { name, film: film(base, layers), kind, alpha, distribution });
+        let film = film(base, layers);
+        let eta = match kind {
+            Kind::Dielectric { eta } if eta != 1.0 => Some(eta),
+            _ => None,
+        };
+        let facet = |side, cos| match kind {
+            Kind::Dielectric { .. } => {
+                let split = Rgb::split(&film, side, cos, 0.0, &());
+                (split.reflect.mean(), split.transmit.mean())
+            }
+            _ => (1.0, 0.0),
+        };
+        let rough = kind == Kind::Conductor || eta.is_some();
+        let lost = |side| Missing::new(distribution, Some(alpha), side, eta, &facet).filter(|_| rough);
+        let missing = [lost(Side::Outside), lost(Side::Inside)];
+        cases.push(Case { name, film, kind, alpha, distribution, missing });
     };
     let soap: &[(f32, f64)] = &[(1.33, 400.0)];
     add("diffuse", Kind::Diffuse, 1.0, Distribution::Ggx, (1.5, 0.0), &[]);
@@ -71,8 +91,20 @@ impl Case {
                 ior: 1.5,
                 internal_reflectance: Rgb::average(&self.film, Side::Inside, 0.0, &()),
             }),
-            Kind::Conductor => Bsdf::Conductor(Conductor { coat, microfacets }),
-            Kind::Dielectric { eta } => Bsdf::Dielectric(Dielectric { coat, microfacets, refraction: (eta, false) }),
+            Kind::Conductor => {
+                let multiple = self.missing[0].as_ref().map(|missing| {
+                    let average = Rgb::average(&self.film, Side::Outside, 0.0, &());
+                    (missing, multiple_color(average, missing.mean(self.alpha)))
+                });
+                Bsdf::Conductor(Conductor { coat, microfacets, multiple })
+            }
+            Kind::Dielectric { eta } => {
+                let multiple = self.missing[0].as_ref().zip(self.missing[1].as_ref()).map(|(outside, inside)| {
+                    let averages = [coat.average(Side::Outside, &()), coat.average(Side::Inside, &())];
+                    Multiple { outside, inside, averages }
+                });
+                Bsdf::Dielectric(Dielectric { coat, microfacets, refraction: (eta, false), multiple })
+            }
         }
     }
 
@@ -215,6 +247,18 @@ fn smooth_lossless_surfaces_keep_all_energy() {
         for wo in case.views() {
             let albedo = albedo(case, wo, 4096);
             assert!(albedo.iter().all(|a| (a - 1.0).abs() < 0.01), "{} from {wo}: {albedo:?}", case.name);
+        }
+    }
+}
+
+#[test]
+fn rough_lossless_surfaces_keep_all_energy_but_a_little() {
+    // What bounces between facets comes back by the broad lobe.
+    for case in cases().iter().filter(|c| c.alpha > 0.0 && matches!(c.kind, Kind::Dielectric { eta } if eta != 1.0)) {
+        for wo in case.views() {
+            let albedo = albedo(case, wo, 16_384);
+            let kept = luminance(albedo);
+            assert!((kept - 1.0).abs() < 0.01, "{} from {wo}: {albedo:?}", case.name);
         }
     }
 }

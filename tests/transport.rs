@@ -1,5 +1,7 @@
 //! Light transport against closed forms, and its strategies against each other.
 
+use std::sync::Arc;
+
 use glam::{Mat4, Vec3};
 use pellicle::color::{Emission, Index};
 use pellicle::document::{
@@ -8,9 +10,9 @@ use pellicle::document::{
     TransformKind,
 };
 use pellicle::integrate::{PathLimits, Strategy};
-use pellicle::mode::Rgb;
+use pellicle::mode::{Mode, Rgb, Spectral};
 use pellicle::render::{Filter, Frame, Plan, Watch, render};
-use pellicle::scene::{self, BuildOptions, Framing};
+use pellicle::scene::{self, FilmOptions, Framing, Scene, Stage};
 
 use crate::statistics::{normal_tail, sidak};
 
@@ -80,11 +82,14 @@ impl Builder {
     }
 
     fn render(&self, size: u32, spp: u32, max_bounces: u32, strategy: Strategy, threads: usize) -> Frame {
-        let options = BuildOptions { tolerance: 0.01, rung: None, threads: 1 };
-        let scene = scene::build::<Rgb>(&self.0, &options).unwrap();
+        self.render_in::<Rgb>(size, spp, PathLimits { max_bounces, strategy }, threads)
+    }
+
+    fn render_in<M: Mode>(&self, size: u32, spp: u32, limits: PathLimits, threads: usize) -> Frame {
+        let stage = Arc::new(Stage::new(&self.0, 1).unwrap());
+        let scene = Scene::<M>::new(stage.clone(), &FilmOptions { tolerance: 0.01, rung: None }).unwrap();
         let size = [Some(size), Some(size)];
-        let (camera, _) = scene::Camera::new(&self.0, None, size, Framing::Scene, scene.bounds).unwrap();
-        let limits = PathLimits { max_bounces, strategy };
+        let (camera, _) = scene::Camera::new(&self.0, None, size, Framing::Scene, stage.bounds).unwrap();
         let plan = Plan { spp, seed: 1, threads, filter: Filter::Box, limits };
         let frame = render(&scene, &camera, &plan, &Unwatched).unwrap();
         assert_eq!(frame.tally.non_finite, 0);
@@ -251,30 +256,66 @@ fn crowded() -> Builder {
     scene
 }
 
+/// Fails where two estimates of one picture differ by more than their noise allows.
+fn assert_same_picture(a: &Frame, b: &Frame, what: &str) {
+    let tests = a.rgb.len() * 3;
+    let significance = sidak(0.01, 2 * tests);
+    let mut failed = 0;
+    for i in 0..a.rgb.len() {
+        for channel in 0..3 {
+            let variance = a.variance[i][channel] + b.variance[i][channel];
+            let difference = f64::from(a.rgb[i][channel] - b.rgb[i][channel]);
+            // Fireflies make single variances worthless: a floor keeps dark, lucky pixels from failing.
+            let z = difference / (f64::from(variance) + 1e-8).sqrt();
+            if normal_tail(z) < significance {
+                failed += 1;
+            }
+        }
+    }
+    // Low-discrepancy samples are not independent, so z is not quite normal; Mitsuba 3 asks for 99.75 %.
+    assert!(failed * 400 <= tests, "{what}: {failed} of {tests} differ");
+    let ((mean_a, error_a), (mean_b, error_b)) = (mean(a), mean(b));
+    let slack = 4.0 * error_a.hypot(error_b) + 1e-3 * mean_a;
+    assert!((mean_a - mean_b).abs() < slack, "{what}: {mean_a} +- {error_a}, {mean_b} +- {error_b}");
+}
+
 #[test]
 fn all_strategies_see_the_same_picture() {
     let scene = crowded();
-    let frames = [Strategy::Mis, Strategy::Light, Strategy::Bsdf].map(|s| scene.render(24, 1024, 6, s, 0));
-    let tests = 2 * 24 * 24 * 3;
-    let significance = sidak(0.01, tests);
-    for other in &frames[1..] {
-        let mut failed = 0;
-        for (i, (a, b)) in frames[0].rgb.iter().zip(&other.rgb).enumerate() {
-            for channel in 0..3 {
-                let variance = frames[0].variance[i][channel] + other.variance[i][channel];
-                let difference = f64::from(a[channel] - b[channel]);
-                // Fireflies make single variances worthless: a floor keeps dark, lucky pixels from failing.
-                let z = difference / (f64::from(variance) + 1e-8).sqrt();
-                if normal_tail(z) < significance {
-                    failed += 1;
-                }
-            }
-        }
-        // Low-discrepancy samples are not independent, so z is not quite normal; Mitsuba 3 asks for 99.75 %.
-        assert!(failed * 400 <= 24 * 24 * 3, "{failed} of {} differ", 24 * 24 * 3);
-        let ((a, ea), (b, eb)) = (mean(&frames[0]), mean(other));
-        assert!((a - b).abs() < 4.0 * (ea * ea + eb * eb).sqrt() + 1e-3 * a, "{a} +- {ea}, {b} +- {eb}");
-    }
+    let [mis, light, bsdf] =
+        [Strategy::Mis, Strategy::Light, Strategy::Bsdf].map(|strategy| scene.render(24, 1024, 6, strategy, 0));
+    assert_same_picture(&mis, &light, "mis and light");
+    assert_same_picture(&mis, &bsdf, "mis and bsdf");
+}
+
+#[test]
+fn grey_scenes_look_alike_in_rgb_and_spectral() {
+    // Without films and colours every wavelength does what every channel does.
+    let mut scene = Builder::seen_from(Vec3::new(0.0, 1.0, 4.0), 45.0);
+    scene.floor(Vec3::ZERO, 3.0, diffuse(0.6));
+    scene.sphere(Vec3::new(-0.9, 0.5, 0.0), 0.5, metal(1.5, 3.0, 0.25));
+    scene.sphere(Vec3::new(0.9, 0.5, 0.0), 0.5, glass(1.5, 0.2));
+    scene.sphere(Vec3::new(0.0, 0.4, 0.8), 0.3, glass(1.5, 0.0));
+    scene.sphere(Vec3::new(1.5, 2.2, 0.5), 0.3, shining(diffuse(0.0), 6.0));
+    scene.sky(0.3);
+    let limits = PathLimits { max_bounces: 6, strategy: Strategy::Mis };
+    let rgb = scene.render_in::<Rgb>(24, 512, limits, 0);
+    assert_same_picture(&rgb, &scene.render_in::<Spectral<4>>(24, 512, limits, 0), "4 wavelengths");
+    assert_same_picture(&rgb, &scene.render_in::<Spectral<8>>(24, 512, limits, 0), "8 wavelengths");
+    assert_same_picture(&rgb, &scene.render_in::<Spectral<16>>(24, 512, limits, 0), "16 wavelengths");
+}
+
+#[test]
+fn any_number_of_wavelengths_converges_to_one_picture() {
+    // Films, and a dispersive ball through which only one wavelength of each path goes on.
+    let mut scene = crowded();
+    let index = Index::Named("SF10".into());
+    let ball = Base::Dielectric { index, microfacets: rough(0.0), absorption_per_m: Vec3::ZERO, fresnel: true };
+    scene.sphere(Vec3::new(-0.5, 0.25, 1.2), 0.25, material(ball));
+    let limits = PathLimits { max_bounces: 6, strategy: Strategy::Mis };
+    let four = scene.render_in::<Spectral<4>>(24, 1024, limits, 0);
+    let sixteen = scene.render_in::<Spectral<16>>(24, 1024, limits, 0);
+    assert_same_picture(&four, &sixteen, "4 and 16 wavelengths");
 }
 
 #[test]

@@ -5,8 +5,9 @@
 
 use glam::Vec3;
 
-use super::{BsdfSample, Coat, Microfacets, Pdf, lobe_probability};
-use crate::film::Side;
+use super::{BsdfSample, Coat, Microfacets, Missing, Pdf, lobe_probability};
+use crate::film::{Side, Split};
+use crate::math::warp::{cosine_hemisphere_pdf, square_to_cosine_hemisphere};
 use crate::mode::{Lanes, Mode};
 
 pub struct Dielectric<'s, M: Mode> {
@@ -14,6 +15,16 @@ pub struct Dielectric<'s, M: Mode> {
     pub microfacets: Microfacets,
     /// Refractive index inside over outside, and whether it differs between the lanes of this path.
     pub refraction: (f32, bool),
+    /// What the lobes lose.
+    pub multiple: Option<Multiple<'s, M>>,
+}
+
+/// Light that bounces between facets several times: what is missing on each side, and where it goes.
+pub struct Multiple<'s, M: Mode> {
+    pub outside: &'s Missing,
+    pub inside: &'s Missing,
+    /// Average reflectance and transmittance from each side.
+    pub averages: [Split<M::Light>; 2],
 }
 
 /// Indices closer to 1 than this bend light by less than f32 directions resolve.
@@ -57,13 +68,27 @@ impl<M: Mode> Dielectric<'_, M> {
         let flip = 1.0f32.copysign(wo.z);
         let (up, other) = (mirror(wo, flip), mirror(wi, flip));
         let side = side_of(wo);
-        if other.z > 0.0 {
+        let (value, pdf) = if other.z > 0.0 {
             self.eval_reflection(up, other, side, waves)
         } else if self.bends() {
             self.eval_refraction(up, other, side, waves)
         } else {
             (M::Light::ZERO, 0.0)
-        }
+        };
+        let Some(multiple) = &self.multiple else { return (value, pdf) };
+        let (alpha, across) = (self.microfacets.alpha, self.eta_across(side));
+        let share = multiple.here(side).share(alpha, up.z);
+        let [reflect, transmit] = multiple.shares(side, alpha);
+        let cosine_pdf = cosine_hemisphere_pdf(other.z.abs());
+        let stays = lobe_probability(reflect, transmit);
+        let (broad, broad_pdf) = if other.z > 0.0 {
+            (reflect * (share * multiple.here(side).lobe(alpha, other.z)), stays * cosine_pdf)
+        } else {
+            let lobe = multiple.beyond(side).lobe(alpha, -other.z);
+            let light = transmit * (share * lobe / (across * across));
+            (self.refracted(light, waves), (1.0 - stays) * cosine_pdf)
+        };
+        (value + broad, pdf + (broad_pdf - pdf) * share)
     }
 
     fn eval_reflection(&self, wo: Vec3, wi: Vec3, side: Side, waves: &M::Waves) -> (M::Light, f32) {
@@ -96,7 +121,7 @@ impl<M: Mode> Dielectric<'_, M> {
     /// Chance of taking the reflection lobe. A straight body decides at the surface, because its transmission knows no
     /// facets; others decide at the facet.
     #[inline]
-    fn reflect_probability(&self, facet: &crate::film::Split<M::Light>, wo: Vec3, side: Side, waves: &M::Waves) -> f32 {
+    fn reflect_probability(&self, facet: &Split<M::Light>, wo: Vec3, side: Side, waves: &M::Waves) -> f32 {
         if self.bends() {
             lobe_probability(facet.reflect, facet.transmit)
         } else {
@@ -123,6 +148,9 @@ impl<M: Mode> Dielectric<'_, M> {
             }
         }
         let smooth = self.microfacets.is_smooth();
+        if let Some(multiple) = &self.multiple {
+            return self.sample_rough(multiple, wo, u, waves);
+        }
         let h = if smooth { Vec3::Z } else { self.microfacets.sample_visible(up, [u[1], u[2]]) };
         let cos_o = up.dot(h);
         if cos_o <= 0.0 {
@@ -161,6 +189,35 @@ impl<M: Mode> Dielectric<'_, M> {
         Some(BsdfSample { wi: mirror(wi, flip), weight, pdf: Pdf::SolidAngle(pdf), collapses })
     }
 
+    /// Draws from the facets or from the broad lobe; the weight is the whole value over the whole density, because both may
+    /// lead to the same direction.
+    fn sample_rough(&self, multiple: &Multiple<M>, wo: Vec3, u: [f32; 3], waves: &M::Waves) -> Option<BsdfSample<M>> {
+        let flip = 1.0f32.copysign(wo.z);
+        let (up, side) = (mirror(wo, flip), side_of(wo));
+        let share = multiple.here(side).share(self.microfacets.alpha, up.z);
+        let wi = if u[0] < share {
+            let [reflect, transmit] = multiple.shares(side, self.microfacets.alpha);
+            let stays = u[0] < share * lobe_probability(reflect, transmit);
+            mirror(square_to_cosine_hemisphere([u[1], u[2]]), if stays { 1.0 } else { -1.0 })
+        } else {
+            let h = self.microfacets.sample_visible(up, [u[1], u[2]]);
+            let cos_o = up.dot(h);
+            if cos_o <= 0.0 {
+                return None;
+            }
+            let split = self.coat.split(side, cos_o, waves);
+            if (u[0] - share) / (1.0 - share) < self.reflect_probability(&split, up, side, waves) {
+                Some(h * (2.0 * cos_o) - up).filter(|wi| wi.z > 0.0)?
+            } else {
+                refract(up, h, cos_o, self.eta_across(side)).filter(|wi| wi.z < 0.0)?
+            }
+        };
+        let collapses = self.refraction.1 && wi.z < 0.0;
+        let wi = mirror(wi, flip);
+        let (value, pdf) = self.eval(wo, wi, waves);
+        (pdf > 0.0).then(|| BsdfSample { wi, weight: value * (1.0 / pdf), pdf: Pdf::SolidAngle(pdf), collapses })
+    }
+
     #[inline]
     fn microfacets_g1(&self, w: Vec3) -> f32 {
         if self.microfacets.is_smooth() { 1.0 } else { self.microfacets.g1(w) }
@@ -173,6 +230,30 @@ impl<M: Mode> Dielectric<'_, M> {
             Side::Outside => self.eta(),
             Side::Inside => 1.0 / self.eta(),
         }
+    }
+}
+
+impl<M: Mode> Multiple<'_, M> {
+    #[inline]
+    fn here(&self, side: Side) -> &Missing {
+        if side == Side::Outside { self.outside } else { self.inside }
+    }
+
+    #[inline]
+    fn beyond(&self, side: Side) -> &Missing {
+        if side == Side::Outside { self.inside } else { self.outside }
+    }
+
+    /// Shares of the missing light that stay on this side and that cross. Crossing must be reciprocal, which ties the two
+    /// sides together: y m n^2 has to be the same from both, and n^2 T is; the smaller loss sets the scale.
+    #[inline]
+    fn shares(&self, side: Side, alpha: f32) -> [M::Light; 2] {
+        let average = &self.averages[usize::from(side == Side::Inside)];
+        let (here, beyond) = (self.here(side).mean(alpha), self.beyond(side).mean(alpha));
+        let transmit = average.transmit * (here.min(beyond) / here);
+        // What facets absorb stays absorbed; everything else that does not cross comes back.
+        let kept = average.reflect + average.transmit;
+        [kept + transmit * -1.0, transmit]
     }
 }
 
@@ -195,7 +276,7 @@ fn refraction_jacobian(cos_o: f32, cos_i: f32, eta: f32) -> f32 {
 
 /// The direction on the other side of a facet `h`, for `cos_o = wo.h > 0`; `None` beyond the critical angle.
 #[inline]
-fn refract(wo: Vec3, h: Vec3, cos_o: f32, eta: f32) -> Option<Vec3> {
+pub(super) fn refract(wo: Vec3, h: Vec3, cos_o: f32, eta: f32) -> Option<Vec3> {
     // cos_t^2 = 1 - sin_o^2 / eta^2, arranged so that eta near 1 and grazing angles lose no digits.
     let cos2_t = ((eta - 1.0) * (eta + 1.0) + cos_o * cos_o) / (eta * eta);
     if cos2_t <= 0.0 {

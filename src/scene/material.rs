@@ -7,12 +7,15 @@ use glam::Vec3;
 use super::surface::Surface;
 use super::texture::{Texture, lookup_rgb, lookup_scalar};
 use super::{BuildError, FilmOptions};
-use crate::bsdf::{Bsdf, Coat, CoatedDiffuse, Conductor, Dielectric, Diffuse, Microfacets, is_straight};
+use crate::bsdf::{
+    Bsdf, Coat, CoatedDiffuse, Conductor, Dielectric, Diffuse, Microfacets, Missing, Multiple, is_straight,
+    multiple_color,
+};
 use crate::color::{Index, IndexCurve, Sensor};
 use crate::document::{self, Base, Distribution, NormalMap, Scalar, Thickness, Tint};
 use crate::film::{Layer, Range, Side, Stack, Verdict};
 use crate::math::Frame;
-use crate::mode::{FilmPlan, Mode};
+use crate::mode::{FilmPlan, Lanes, Mode};
 
 pub struct Material<M: Mode> {
     body: Body<M>,
@@ -40,6 +43,7 @@ enum Body<M: Mode> {
         film: M::Film,
         distribution: Distribution,
         roughness: Scalar,
+        missing: Option<Missing>,
     },
     Dielectric {
         film: M::Film,
@@ -47,6 +51,8 @@ enum Body<M: Mode> {
         roughness: Scalar,
         eta: M::Eta,
         absorption_per_m: Vec3,
+        /// From outside and from inside.
+        missing: Option<[Missing; 2]>,
     },
     /// Transmits everything, bent but unreflected (CGL `<refraction>`).
     Refractor {
@@ -87,6 +93,7 @@ impl<M: Mode> Material<M> {
                 film: compile(index)?,
                 distribution: microfacets.distribution,
                 roughness: microfacets.roughness.clone(),
+                missing: missing(microfacets, Side::Outside, None, &|_, _| (1.0, 0.0)),
             },
             Base::Dielectric { index, microfacets, absorption_per_m, fresnel } => {
                 let curve = curve_of(source, index)?;
@@ -94,8 +101,20 @@ impl<M: Mode> Material<M> {
                 let eta = M::eta(&curve);
                 let absorption_per_m = *absorption_per_m;
                 if *fresnel || !source.films.is_empty() {
+                    let film = compile(index)?;
+                    // One typical thickness and path: the film shifts light between two lobes that lose about the same.
+                    let middle = (0.5 * (plan.range.min_nm + plan.range.max_nm)) as f32;
+                    let waves = M::waves(0.5);
+                    let (across, _) = M::refraction(&eta, &waves);
+                    let facet = |side, cos| {
+                        let split = M::split(&film, side, cos, middle, &waves);
+                        (split.reflect.mean(), split.transmit.mean())
+                    };
+                    let lost = |side| missing(microfacets, side, Some(across), &facet);
+                    let missing = if straight { None } else { lost(Side::Outside).zip(lost(Side::Inside)) };
                     Body::Dielectric {
-                        film: compile(index)?,
+                        film,
+                        missing: missing.map(<[Missing; 2]>::from),
                         distribution: microfacets.distribution,
                         roughness: microfacets.roughness.clone(),
                         eta,
@@ -147,18 +166,27 @@ impl<M: Mode> Material<M> {
                 let internal_reflectance = M::average(film, Side::Inside, coat.thickness_nm, waves);
                 Bsdf::CoatedDiffuse(CoatedDiffuse { coat, albedo, ior: *ior, internal_reflectance })
             }
-            Body::Conductor { film, distribution, roughness } => {
-                Bsdf::Conductor(Conductor { coat: coat(film), microfacets: microfacets(distribution, roughness) })
+            Body::Conductor { film, distribution, roughness, missing } => {
+                let (coat, microfacets) = (coat(film), microfacets(distribution, roughness));
+                let multiple = missing.as_ref().map(|missing| {
+                    let average = M::average(film, Side::Outside, coat.thickness_nm, waves) * coat.reflect_tint;
+                    (missing, multiple_color(average, missing.mean(microfacets.alpha)))
+                });
+                Bsdf::Conductor(Conductor { coat, microfacets, multiple })
             }
-            Body::Dielectric { film, distribution, roughness, eta, .. } => Bsdf::Dielectric(Dielectric {
-                coat: coat(film),
-                microfacets: microfacets(distribution, roughness),
-                refraction: M::refraction(eta, waves),
-            }),
+            Body::Dielectric { film, distribution, roughness, eta, missing, .. } => {
+                let (coat, microfacets) = (coat(film), microfacets(distribution, roughness));
+                let multiple = missing.as_ref().filter(|_| !microfacets.is_smooth()).map(|[outside, inside]| {
+                    let average = |side| coat.average(side, waves);
+                    Multiple { outside, inside, averages: [average(Side::Outside), average(Side::Inside)] }
+                });
+                Bsdf::Dielectric(Dielectric { coat, microfacets, refraction: M::refraction(eta, waves), multiple })
+            }
             Body::Refractor { film, eta, .. } => Bsdf::Dielectric(Dielectric {
                 coat: coat(film),
                 microfacets: Microfacets { distribution: Distribution::Ggx, alpha: 0.0 },
                 refraction: M::refraction(eta, waves),
+                multiple: None,
             }),
         }
     }
@@ -194,6 +222,17 @@ impl<M: Mode> Material<M> {
             + normal * texel.z.max(1e-3);
         Frame::new(bent.normalize())
     }
+}
+
+/// What single scattering loses; `None` where that is next to nothing.
+fn missing(
+    microfacets: &document::Microfacets,
+    side: Side,
+    eta: Option<f32>,
+    facet: &dyn Fn(Side, f32) -> (f32, f32),
+) -> Option<Missing> {
+    let constant = microfacets.roughness.map.is_none().then_some(microfacets.roughness.value);
+    Missing::new(microfacets.distribution, constant, side, eta, facet)
 }
 
 fn scalar(value: &Scalar, surface: &Surface, textures: &[Arc<Texture>]) -> f32 {
