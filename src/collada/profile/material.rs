@@ -26,7 +26,7 @@ pub fn read<'a>(loader: &mut Loader<'a>, technique: Element<'a>, user: &str) -> 
         let fault = technique.fault("this technique holds no base");
         return Err(fault.hint("one of <diffuse>, <conductor>, <dielectric>, <emitter>"));
     };
-    let mut material = Material { opacity: Scalar::constant(1.0), ..Material::default() };
+    let mut material = Material::default();
     if base.name() == "emitter" {
         material.base = Base::Black;
         material.emission = Some(emitter(base)?);
