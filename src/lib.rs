@@ -27,8 +27,8 @@ pub mod collada;
 
 pub mod output;
 
-pub mod batch;
-
 pub mod error;
+
+pub mod batch;
 
 pub mod cli;

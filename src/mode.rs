@@ -69,7 +69,10 @@ impl Mode for Rgb {
     }
 
     fn spectrum(emission: &Emission, sensor: &Sensor) -> Vec3 {
-        let [r, g, b] = { let spectrum = emission.spectrum(); sensor.rgb_of_light(|nm| spectrum.at(nm)) };
+        let [r, g, b] = {
+            let spectrum = emission.spectrum();
+            sensor.rgb_of_light(|nm| spectrum.at(nm))
+        };
         Vec3::new(r as f32, g as f32, b as f32)
     }
 

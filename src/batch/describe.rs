@@ -17,7 +17,8 @@ use crate::scene::{self, BuildOptions, cameras};
 pub fn describe(document: &Document, tolerance: f32) -> Result<String, Error> {
     let name = document.path.display().to_string();
     let options = BuildOptions { tolerance, rung: None, threads: 0 };
-    let scene = scene::build::<Rgb>(document, &options).map_err(|source| Error::Build { scene: name.clone(), source })?;
+    let scene =
+        scene::build::<Rgb>(document, &options).map_err(|source| Error::Build { scene: name.clone(), source })?;
     let mut text = String::new();
     // Writing to a String cannot fail.
     let mut line = |indent: usize, content: String| {

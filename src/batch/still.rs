@@ -45,8 +45,8 @@ pub fn prepare<M: Mode>(document: &Document, plan: &StillPlan) -> Result<Prepare
     let start = Instant::now();
     let name = document.path.display().to_string();
     let scene = scene::build::<M>(document, &plan.build).map_err(|source| Error::Build { scene: name, source })?;
-    let (camera, placed) = Camera::new(document, plan.camera.as_deref(), plan.size, plan.framing, scene.bounds)
-        .map_err(Error::Usage)?;
+    let (camera, placed) =
+        Camera::new(document, plan.camera.as_deref(), plan.size, plan.framing, scene.bounds).map_err(Error::Usage)?;
     let mut notes = Vec::new();
     match placed {
         Placed::AsWritten => {}

@@ -72,8 +72,7 @@ impl<M: Mode> Dielectric<'_, M> {
         let jacobian = refraction_jacobian(cos_o, cos_i, eta);
         let d = self.microfacets.d(h);
         // eq. 21, times cos_i; radiance is compressed by eta^-2 when it enters the denser side.
-        let value = split.transmit
-            * (d * self.microfacets.g2_transmit(wo, wi) * cos_o * jacobian / (wo.z * eta * eta));
+        let value = split.transmit * (d * self.microfacets.g2_transmit(wo, wi) * cos_o * jacobian / (wo.z * eta * eta));
         let pass = 1.0 - self.reflect_probability(&split, wo, side, waves);
         (value, self.microfacets.visible_pdf(wo, h) * jacobian * pass)
     }
@@ -81,13 +80,7 @@ impl<M: Mode> Dielectric<'_, M> {
     /// Chance of taking the reflection lobe. A straight body decides at the surface, because its transmission knows no
     /// facets; others decide at the facet.
     #[inline]
-    fn reflect_probability(
-        &self,
-        facet: &crate::film::Split<M::Light>,
-        wo: Vec3,
-        side: Side,
-        waves: &M::Waves,
-    ) -> f32 {
+    fn reflect_probability(&self, facet: &crate::film::Split<M::Light>, wo: Vec3, side: Side, waves: &M::Waves) -> f32 {
         if self.bends() {
             lobe_probability(facet.reflect, facet.transmit)
         } else {

@@ -1,8 +1,8 @@
 //! Progress on stderr: a bar on a terminal, a line now and then elsewhere, or JSON lines.
 
+use std::sync::Arc;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use clap::ValueEnum;

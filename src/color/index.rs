@@ -11,9 +11,15 @@ use super::table::{self, Row};
 /// A refractive index as a scene gives it; k >= 0 absorbs.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Index {
-    Constant { n: f32, k: f32 },
+    Constant {
+        n: f32,
+        k: f32,
+    },
     /// One value per colour channel: red, green, blue, taken at 614, 549 and 466 nm.
-    Rgb { n: [f32; 3], k: [f32; 3] },
+    Rgb {
+        n: [f32; 3],
+        k: [f32; 3],
+    },
     /// (wavelength in nm, n, k), increasing wavelengths, linear in between.
     Table(Vec<(f32, f32, f32)>),
     /// A material from the measured tables: `Au`, `BK7`, `water`, ...

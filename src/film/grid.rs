@@ -2,19 +2,23 @@
 
 use rayon::prelude::*;
 
+use super::lanes::cell;
+
 /// Rows of thickness, each a run of cosine nodes; a node holds K groups of three channels and padding. One look-up reads two
 /// adjacent nodes of two rows.
 #[derive(Clone, Debug)]
 pub(super) struct Grid<const K: usize> {
     nodes: Vec<[[f32; 4]; K]>,
     /// Nodes per row, at least 2.
-    columns: usize,
+    columns: u32,
+    /// Columns - 1.
+    span: f32,
 }
 
 /// A place on a thickness axis: between `row` and `row + 1`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place {
-    row: usize,
+    row: u32,
     t: f32,
 }
 
@@ -27,11 +31,11 @@ impl Place {
     /// Linear interpolation of a value per row.
     #[inline(always)]
     pub(super) fn between(self, value: impl Fn(usize) -> [f32; 3]) -> [f32; 3] {
-        let low = value(self.row);
+        let low = value(self.row as usize);
         if self.t == 0.0 {
             return low;
         }
-        let high = value(self.row + 1);
+        let high = value(self.row as usize + 1);
         std::array::from_fn(|i| low[i] + self.t * (high[i] - low[i]))
     }
 }
@@ -41,15 +45,17 @@ impl Place {
 #[derive(Clone, Debug)]
 pub(super) struct Axis {
     runs: Vec<Run>,
-    rows: usize,
+    rows: u32,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Run {
     first_nm: f32,
     per_nm: f32,
-    first_row: usize,
-    last_row: usize,
+    first_row: u32,
+    last_row: u32,
+    /// Last row - first row.
+    span: f32,
 }
 
 impl Axis {
@@ -63,12 +69,13 @@ impl Axis {
         let (mut runs, mut row) = (Vec::new(), 0);
         for &(first, last, spacing) in spans {
             let intervals = ((last - first) / spacing).ceil().max(1.0);
-            let last_row = row + intervals as usize;
+            let last_row = row + intervals as u32;
             runs.push(Run {
                 first_nm: first as f32,
                 per_nm: (intervals / (last - first)) as f32,
                 first_row: row,
                 last_row,
+                span: intervals as f32,
             });
             row = last_row;
         }
@@ -76,67 +83,96 @@ impl Axis {
     }
 
     pub(super) fn rows(&self) -> usize {
-        self.rows
+        self.rows as usize
     }
 
     /// The thickness of a row in nm; `constant_nm` on a single-row axis.
     pub(super) fn thickness_nm(&self, row: usize, constant_nm: f64) -> f64 {
-        match self.runs.iter().find(|run| row <= run.last_row) {
-            Some(run) => f64::from(run.first_nm) + (row - run.first_row) as f64 / f64::from(run.per_nm),
+        match self.runs.iter().find(|run| row <= run.last_row as usize) {
+            Some(run) => f64::from(run.first_nm) + (row - run.first_row as usize) as f64 / f64::from(run.per_nm),
             None => constant_nm,
         }
     }
 
     #[inline(always)]
     pub(super) fn place(&self, thickness_nm: f32) -> Place {
-        let mut runs = self.runs.as_slice();
-        while let [_, rest @ ..] = runs {
-            match rest.first() {
-                Some(next) if thickness_nm >= next.first_nm => runs = rest,
-                _ => break,
+        let Some(mut run) = self.runs.first() else { return Place::first() };
+        for next in &self.runs[1..] {
+            if thickness_nm >= next.first_nm {
+                run = next;
             }
         }
-        match runs.first() {
-            None => Place { row: 0, t: 0.0 },
-            Some(run) => {
-                let span = (run.last_row - run.first_row) as f32;
-                let x = ((thickness_nm - run.first_nm) * run.per_nm).clamp(0.0, span);
-                let low = (x as usize).min(run.last_row - run.first_row - 1);
-                Place { row: run.first_row + low, t: x - low as f32 }
-            }
-        }
+        let (low, t) = cell((thickness_nm - run.first_nm) * run.per_nm, run.span);
+        Place { row: run.first_row + low, t }
     }
 }
 
 impl<const K: usize> Grid<K> {
     /// Fills the table in parallel; `value(row, u)` for u = 0..1 along the cosine axis.
     pub(super) fn new(rows: usize, columns: usize, value: impl Fn(usize, f32) -> [[f32; 3]; K] + Sync) -> Self {
-        let pad = |[a, b, c]: [f32; 3]| [a, b, c, 0.0];
-        let node = |index: usize| {
-            let u = (index % columns) as f32 / (columns - 1) as f32;
-            value(index / columns, u).map(pad)
+        let u = |index: usize| (index % columns) as f32 / (columns - 1) as f32;
+        let node = |index: usize| value(index / columns, u(index)).map(pad);
+        let nodes = (0..rows * columns).into_par_iter().with_min_len(16).map(node).collect();
+        Self { nodes, columns: columns as u32, span: (columns - 1) as f32 }
+    }
+
+    /// A one-row table with a new node between every two.
+    pub(super) fn refined(&self, value: impl Fn(f32) -> [[f32; 3]; K] + Sync) -> Self {
+        let columns = 2 * self.nodes.len() - 1;
+        let between = |index: usize| value((2 * index + 1) as f32 / (columns - 1) as f32).map(pad);
+        let new: Vec<_> = (0..self.nodes.len() - 1).into_par_iter().with_min_len(16).map(between).collect();
+        let mut nodes = Vec::with_capacity(columns);
+        for (old, new) in self.nodes.iter().zip(new) {
+            nodes.extend([*old, new]);
+        }
+        nodes.extend(self.nodes.last());
+        Self { nodes, columns: columns as u32, span: (columns - 1) as f32 }
+    }
+
+    /// Nodes per row.
+    pub(super) fn columns(&self) -> usize {
+        self.columns as usize
+    }
+
+    /// For each row, the integral over u of `weight` times the first group, linear between nodes.
+    pub(super) fn integrals(&self, weight: impl Fn(f64) -> f64) -> Vec<[f32; 3]> {
+        // The integral of weight times each node's hat, by Simpson's rule on either side.
+        let span = f64::from(self.span);
+        let hat = |node: usize, towards: f64| {
+            let u = node as f64 / span;
+            if !(0.0..=1.0).contains(&(u + towards / span)) {
+                return 0.0;
+            }
+            (weight(u) + 2.0 * weight(u + 0.5 * towards / span)) / (6.0 * span)
         };
-        let nodes = (0..rows * columns).into_par_iter().with_min_len(64).map(node).collect();
-        Self { nodes, columns }
+        let weights: Vec<f32> = (0..self.columns()).map(|node| (hat(node, -1.0) + hat(node, 1.0)) as f32).collect();
+        let sum = |row: &[[[f32; 4]; K]]| {
+            row.iter()
+                .zip(&weights)
+                .fold([0.0; 3], |sum: [f32; 3], (node, w)| std::array::from_fn(|c| sum[c] + w * node[0][c]))
+        };
+        self.nodes.chunks(self.columns()).map(sum).collect()
     }
 
     /// The groups at u (0..1) and a place on the thickness axis.
     #[inline(always)]
     pub(super) fn at(&self, u: f32, place: Place) -> [[f32; 4]; K] {
-        let x = u.clamp(0.0, 1.0) * (self.columns - 1) as f32;
-        let low = (x as usize).min(self.columns - 2);
-        let s = x - low as f32;
-        let start = place.row * self.columns + low;
+        let (low, s) = cell(u * self.span, self.span);
+        let start = (place.row * self.columns + low) as usize;
         let below = pair(&self.nodes, start, s);
         if place.t == 0.0 {
             return below;
         }
-        mix(below, pair(&self.nodes, start + self.columns, s), place.t)
+        mix(below, pair(&self.nodes, start + self.columns as usize, s), place.t)
     }
 
     pub(super) fn bytes(&self) -> usize {
         size_of_val(self.nodes.as_slice())
     }
+}
+
+fn pad([a, b, c]: [f32; 3]) -> [f32; 4] {
+    [a, b, c, 0.0]
 }
 
 #[inline(always)]

@@ -10,6 +10,7 @@ use crate::color::{Lab, Sensor, delta_e_2000};
 
 use super::bare::Bare;
 use super::exact::exact;
+use super::gaussian::Gaussian;
 use super::rgb::{Form, RgbFilm};
 use super::stack::{Range, Side, Stack};
 use super::table::Table;
@@ -157,7 +158,7 @@ fn build(rung: Rung, stack: &Stack, range: Range, sensor: &Sensor) -> Result<Rgb
             .ok_or("a medium absorbs, which makes a bare surface coloured"),
         Rung::Table => Ok(RgbFilm(Form::Table(Table::new(stack, range, sensor)))),
         Rung::ThreeWave => Ok(RgbFilm(Form::ThreeWave(Box::new(ThreeWave::new(stack, range))))),
-        Rung::Gaussian => Err("the gaussian rung is not built yet"),
+        Rung::Gaussian => Gaussian::new(stack, range, sensor).map(|film| RgbFilm(Form::Gaussian(Box::new(film)))),
     }
 }
 

@@ -4,6 +4,7 @@
 mod average;
 mod bare;
 mod exact;
+mod gaussian;
 mod grid;
 mod kernels;
 mod ladder;

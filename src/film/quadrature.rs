@@ -5,13 +5,13 @@ use std::sync::LazyLock;
 use crate::color::{MAX_NM, MIN_NM, Sensor};
 
 use super::spectral::{Gathered, SpectralFilm};
-use super::stack::{Side, Split, Stack};
+use super::stack::{Side, Stack};
 
 /// Wavelengths per block: four vectors of four.
 const WIDTH: usize = 16;
 
 /// Points of the hemisphere rule.
-pub(super) const GAUSS: usize = 24;
+const GAUSS: usize = 16;
 
 /// Equally spaced wavelengths with the weights of three channels; each channel's weights sum to 1.
 pub(super) struct Spectral {
@@ -72,22 +72,30 @@ pub(super) struct Integrand<'a> {
 }
 
 impl Integrand<'_> {
-    /// Linear sRGB of R and T, unclamped.
-    pub(super) fn rgb(&self, side: Side, cos_i: f32, thickness_nm: f32) -> Split<[f32; 3]> {
+    /// Linear sRGB of R, unclamped.
+    pub(super) fn reflect(&self, side: Side, cos_i: f32, thickness_nm: f32) -> [f32; 3] {
         // Sums stay in lanes until the end: the compiler does not reorder a float reduction.
-        let mut sums = [[0.0f32; WIDTH]; 6];
+        let mut sums = [[0.0f32; WIDTH]; 3];
+        for (block, media) in self.rule.blocks.iter().zip(&self.media) {
+            let reflect = media.split(side, cos_i, thickness_nm).reflect;
+            for (sum, weights) in sums.iter_mut().zip(&block.weights) {
+                accumulate(sum, weights, &reflect);
+            }
+        }
+        sums.map(|lanes| lanes.iter().sum())
+    }
+
+    /// Linear sRGB of R and T, unclamped.
+    pub(super) fn both(&self, side: Side, cos_i: f32, thickness_nm: f32) -> [[f32; 3]; 2] {
+        let mut sums = [[[0.0f32; WIDTH]; 3]; 2];
         for (block, media) in self.rule.blocks.iter().zip(&self.media) {
             let split = media.split(side, cos_i, thickness_nm);
             for c in 0..3 {
-                accumulate(&mut sums[c], &block.weights[c], &split.reflect);
-                accumulate(&mut sums[c + 3], &block.weights[c], &split.transmit);
+                accumulate(&mut sums[0][c], &block.weights[c], &split.reflect);
+                accumulate(&mut sums[1][c], &block.weights[c], &split.transmit);
             }
         }
-        let total = |lanes: &[f32; WIDTH]| lanes.iter().sum::<f32>();
-        Split {
-            reflect: std::array::from_fn(|c| total(&sums[c])),
-            transmit: std::array::from_fn(|c| total(&sums[c + 3])),
-        }
+        sums.map(|sums| sums.map(|lanes| lanes.iter().sum()))
     }
 }
 

@@ -1,6 +1,7 @@
 //! A film compiled for RGB transport.
 
 use super::bare::Bare;
+use super::gaussian::Gaussian;
 use super::ladder::Rung;
 use super::stack::{Side, Split};
 use super::table::Table;
@@ -16,6 +17,7 @@ pub(super) enum Form {
     Bare(Bare),
     Table(Table),
     ThreeWave(Box<ThreeWave>),
+    Gaussian(Box<Gaussian>),
 }
 
 impl RgbFilm {
@@ -28,6 +30,7 @@ impl RgbFilm {
             Form::Bare(bare) => bare.split(side, cos_i),
             Form::Table(table) => table.split(side, cos_i, thickness_nm),
             Form::ThreeWave(waves) => waves.split(side, cos_i, thickness_nm),
+            Form::Gaussian(gaussian) => gaussian.split(side, cos_i, thickness_nm),
         }
     }
 
@@ -38,6 +41,7 @@ impl RgbFilm {
             Form::Bare(bare) => bare.average(side),
             Form::Table(table) => table.average(side, thickness_nm),
             Form::ThreeWave(waves) => waves.average(side, thickness_nm),
+            Form::Gaussian(gaussian) => gaussian.average(side, thickness_nm),
         }
     }
 
@@ -47,6 +51,7 @@ impl RgbFilm {
             Form::Bare(_) => Rung::Bare,
             Form::Table(_) => Rung::Table,
             Form::ThreeWave(_) => Rung::ThreeWave,
+            Form::Gaussian(_) => Rung::Gaussian,
         }
     }
 }

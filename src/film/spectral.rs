@@ -3,7 +3,8 @@
 use crate::color::{IndexCurve, MAX_NM, MIN_NM};
 
 use super::average::Averages;
-use super::kernels::{self, Beam, Medium};
+use super::kernels::{self, Beam, Medium, Sheet};
+use super::lanes::{at_least, cell};
 use super::stack::{Range, Side, Split, Stack};
 
 /// A refractive index for lanes of wavelengths.
@@ -32,14 +33,12 @@ impl Curve {
             Self::Constant(n, k) => Medium { n: [*n; N], k: [*k; N] },
             Self::Table(rows) => {
                 let mut medium = Medium { n: [0.0; N], k: [0.0; N] };
-                let last = rows.len() - 2;
-                for (i, &nm) in nm.iter().enumerate() {
-                    let x = (nm - MIN_NM as f32).clamp(0.0, (MAX_NM - MIN_NM) as f32);
-                    let low = (x as usize).min(last);
-                    let t = x - low as f32;
-                    let (a, b) = (rows[low], rows[low + 1]);
-                    medium.n[i] = a[0] + t * (b[0] - a[0]);
-                    medium.k[i] = a[1] + t * (b[1] - a[1]);
+                let cells = nm.map(|nm| cell(nm - MIN_NM as f32, (MAX_NM - MIN_NM) as f32));
+                for (i, (low, t)) in cells.into_iter().enumerate() {
+                    if let Some([a, b]) = rows.get(low as usize..low as usize + 2) {
+                        medium.n[i] = a[0] + t * (b[0] - a[0]);
+                        medium.k[i] = a[1] + t * (b[1] - a[1]);
+                    }
                 }
                 medium
             }
@@ -63,6 +62,7 @@ enum Form {
 #[derive(Clone, Debug)]
 pub struct SpectralFilm {
     outside: Curve,
+    /// Index and thickness in nm.
     layers: Vec<(Curve, f32)>,
     base: Curve,
     varying: Option<usize>,
@@ -82,7 +82,7 @@ impl SpectralFilm {
     /// The optics alone, for the tables that are built from it.
     pub(super) fn without_averages(stack: &Stack) -> Self {
         let layers: Vec<_> =
-            stack.layers.iter().map(|layer| (Curve::new(&layer.index), layer.thickness_nm as f32)).collect();
+            stack.layers.iter().map(|layer| (Curve::new(&layer.index), layer.thickness_nm.max(0.0) as f32)).collect();
         let form = match layers.len() {
             0 => Form::Bare,
             1 if stack.lossless_layers() => Form::LosslessFilm { metal: stack.base.max_k() > 0.0 },
@@ -104,8 +104,9 @@ impl SpectralFilm {
     #[inline]
     pub fn split<const N: usize>(&self, side: Side, cos_i: f32, thickness_nm: f32, nm: &[f32; N]) -> Split<[f32; N]> {
         let per_nm = nm.map(|nm| 1.0 / nm);
-        let (outside, base) = (self.outside.lanes(nm), self.base.lanes(nm));
-        self.evaluate(side, cos_i, thickness_nm, per_nm, &outside, &base, |layer| self.layers[layer].0.lanes(nm))
+        let ends = [self.outside.lanes(nm), self.base.lanes(nm)];
+        let varying = per_nm.map(|per_nm| thickness_nm * per_nm);
+        self.evaluate(side, cos_i, &varying, &per_nm, &ends, |layer| self.layers[layer].0.lanes(nm))
     }
 
     /// 2 * integral of R mu dmu over the hemisphere on `side`, at N wavelengths in nm: the average Fresnel reflectance.
@@ -118,40 +119,48 @@ impl SpectralFilm {
     pub(super) fn gather<const N: usize>(&self, nm: &[f32; N]) -> Gathered<'_, N> {
         Gathered {
             film: self,
+            nm: *nm,
             per_nm: nm.map(|nm| 1.0 / nm),
-            outside: self.outside.lanes(nm),
-            layers: self.layers.iter().map(|(curve, _)| curve.lanes(nm)).collect(),
-            base: self.base.lanes(nm),
+            ends: [self.outside.lanes(nm), self.base.lanes(nm)],
+            layers: self.layers.iter().map(|layer| layer.0.lanes(nm)).collect(),
         }
     }
 
+    /// `varying` is thickness / wavelength of the varying layer; `ends` are the media outside and of the base.
     #[inline(always)]
-    #[allow(clippy::too_many_arguments)] // the parts of one interaction, private and inlined
     fn evaluate<const N: usize>(
         &self,
         side: Side,
         cos_i: f32,
-        thickness_nm: f32,
-        per_nm: [f32; N],
-        outside: &Medium<N>,
-        base: &Medium<N>,
+        varying: &[f32; N],
+        per_nm: &[f32; N],
+        ends: &[Medium<N>; 2],
         layer: impl Fn(usize) -> Medium<N>,
     ) -> Split<[f32; N]> {
-        let (incident, last) = match side {
-            Side::Outside => (outside, base),
-            Side::Inside => (base, outside),
+        let [outside, base] = ends;
+        let (incident, last) = if side == Side::Outside { (outside, base) } else { (base, outside) };
+        let beam = Beam::new(incident, cos_i);
+        let depth = |j: usize| -> [f32; N] {
+            if self.varying == Some(j) {
+                varying.map(|depth| at_least(depth, 0.0))
+            } else {
+                per_nm.map(|per_nm| self.layers[j].1 * per_nm)
+            }
         };
-        let beam = Beam::new(incident, cos_i, per_nm);
-        let thickness = |j: usize| if self.varying == Some(j) { thickness_nm.max(0.0) } else { self.layers[j].1 };
+        let kept = |reflect: [f32; N]| Split { reflect, transmit: reflect.map(|r| 1.0 - r) };
         let coated = match self.form {
             Form::Bare => return kernels::interface(&beam, last),
-            Form::LosslessFilm { metal } => {
-                kernels::lossless_film(&beam, &layer(0), thickness(0), last, metal && side == Side::Outside)
+            Form::LosslessFilm { metal: true } if side == Side::Outside => {
+                kept(kernels::film_on_metal(&beam, &layer(0), &depth(0), last))
             }
+            Form::LosslessFilm { .. } => kept(kernels::dielectric_film(&beam, &layer(0), &depth(0), last)),
             Form::Layers => {
                 let count = self.layers.len();
-                let order = |step: usize| if side == Side::Outside { step } else { count - 1 - step };
-                kernels::layers(&beam, count, |step| (layer(order(step)), thickness(order(step))), last)
+                let sheet = |step: usize| {
+                    let j = if side == Side::Outside { step } else { count - 1 - step };
+                    Sheet { medium: layer(j), depth: depth(j) }
+                };
+                kernels::layers(&beam, count, sheet, last)
             }
         };
         if self.weight >= 1.0 {
@@ -167,15 +176,23 @@ impl SpectralFilm {
 /// See [`SpectralFilm::gather`].
 pub(super) struct Gathered<'a, const N: usize> {
     film: &'a SpectralFilm,
+    nm: [f32; N],
     per_nm: [f32; N],
-    outside: Medium<N>,
+    ends: [Medium<N>; 2],
     layers: Vec<Medium<N>>,
-    base: Medium<N>,
 }
 
 impl<const N: usize> Gathered<'_, N> {
+    pub(super) fn nm(&self) -> &[f32; N] {
+        &self.nm
+    }
+
     pub(super) fn split(&self, side: Side, cos_i: f32, thickness_nm: f32) -> Split<[f32; N]> {
-        let layer = |j: usize| self.layers[j];
-        self.film.evaluate(side, cos_i, thickness_nm, self.per_nm, &self.outside, &self.base, layer)
+        self.split_depths(side, cos_i, &self.per_nm.map(|per_nm| thickness_nm * per_nm))
+    }
+
+    /// With the varying layer's thickness / wavelength of each lane.
+    pub(super) fn split_depths(&self, side: Side, cos_i: f32, varying: &[f32; N]) -> Split<[f32; N]> {
+        self.film.evaluate(side, cos_i, varying, &self.per_nm, &self.ends, |j| self.layers[j])
     }
 }

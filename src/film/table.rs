@@ -40,12 +40,12 @@ enum Form {
 
 /// Cosine nodes with a varying thickness, and the least and most with a constant one.
 const COLUMNS_2D: usize = 65;
-const COLUMNS_1D: [usize; 2] = [65, 513];
+const COLUMNS_1D: [usize; 2] = [33, 513];
 /// A 1-D table is refined until no midpoint of two nodes is further than this from the truth, CIEDE2000.
-const MIDPOINT_DELTA_E: f64 = 0.05;
-/// Thickness nodes per fringe at 450 nm, and the path differences (nm) from which twice the spacing does and from which
-/// fringes have faded.
-const PER_FRINGE: f64 = 32.0;
+const MIDPOINT_DELTA_E: f64 = 0.1;
+/// Thickness nodes per fringe at 450 nm where fringes are sinusoidal; and the path differences (nm) from which twice the
+/// spacing does and from which fringes have faded.
+const PER_FRINGE: f64 = 24.0;
 const COARSER_NM: f64 = 5_000.0;
 const FADED_NM: f64 = 13_000.0;
 /// Spacing in the faded region, where only absorption changes with thickness, as a share of the range.
@@ -60,52 +60,38 @@ impl Table {
         let ratio = if opaque { 1.0 } else { (outside.max(base) / outside.min(base)).powi(2) as f32 };
         let axis = thickness_axis(stack, range);
 
-        // Rows of similar thickness share a rule.
+        // Rows of similar thickness share a rule; a single row can afford 1 nm.
+        let coarsest = if axis.rows() == 1 { 1.0 } else { f64::INFINITY };
+        let thickness = |row: usize| axis.thickness_nm(row, range.min_nm);
         let steps: Vec<f64> =
-            (0..axis.rows()).map(|row| Spectral::step_nm(stack, axis.thickness_nm(row, range.min_nm))).collect();
+            (0..axis.rows()).map(|row| Spectral::step_nm(stack, thickness(row)).min(coarsest)).collect();
         let mut used = steps.clone();
         used.dedup();
-        let rules: Vec<(f64, Spectral)> = used
-            .into_iter()
-            .map(|step| if axis.rows() == 1 { step.min(1.0) } else { step })
-            .map(|step| (step, Spectral::new(sensor, step)))
-            .collect();
-        let integrands: Vec<(f64, Integrand)> = rules.iter().map(|(step, rule)| (*step, rule.gather(&film))).collect();
-        let integrate = |side: Side, row: usize, cos_i: f32| {
-            let wanted = steps[row];
-            let rule = integrands.iter().find(|(step, _)| *step <= wanted).or(integrands.last());
-            let nm = axis.thickness_nm(row, range.min_nm) as f32;
-            rule.map_or(Split { reflect: [0.0; 3], transmit: [0.0; 3] }, |(_, rule)| rule.rgb(side, cos_i, nm))
-        };
-        let both = |side: Side, row: usize, cos_i: f32| {
-            let split = integrate(side, row, cos_i);
-            [split.reflect, split.transmit]
-        };
+        let rules: Vec<Spectral> = used.iter().map(|&step| Spectral::new(sensor, step)).collect();
+        let integrands: Vec<Integrand> = rules.iter().map(|rule| rule.gather(&film)).collect();
+        // Steps only ever shrink along the axis.
+        let rule = |row: usize| &integrands[used.iter().rposition(|&step| step >= steps[row]).unwrap_or(0)];
+        let reflect = |side: Side, row: usize, mu: f32| [rule(row).reflect(side, mu, thickness(row) as f32)];
+        let both = |side: Side, row: usize, mu: f32| rule(row).both(side, mu, thickness(row) as f32);
 
-        let (rows, constant) = (axis.rows(), axis.rows() == 1);
+        let rows = axis.rows();
         let form = if stack.lossless_layers() {
-            let grid =
-                refine(constant, |columns| Grid::new(rows, columns, |row, u| [integrate(rare, row, u * u).reflect]));
-            Form::Lossless { grid, opaque }
+            Form::Lossless { grid: fill(rows, |row, u| reflect(rare, row, u * u)), opaque }
         } else if opaque {
-            Form::OneSided(refine(constant, |columns| Grid::new(rows, columns, |row, u| both(rare, row, u * u))))
+            Form::OneSided(fill(rows, |row, u| both(rare, row, u * u)))
         } else {
             let other = if rare == Side::Outside { Side::Inside } else { Side::Outside };
             let below = |mu: f32| (1.0 - (1.0 - mu * mu) / ratio).max(0.0).sqrt();
             let critical = 1.0 - 1.0 / ratio;
             let beyond = |u: f32| (critical * (1.0 - u * u)).max(0.0).sqrt();
             Form::TwoSided {
-                rare: refine(constant, |columns| Grid::new(rows, columns, |row, u| both(rare, row, u * u))),
-                dense: refine(constant, |columns| Grid::new(rows, columns, |row, u| both(other, row, below(u * u)))),
-                beyond: refine(constant, |columns| {
-                    Grid::new(rows, columns, |row, u| [integrate(other, row, beyond(u)).reflect])
-                }),
+                rare: fill(rows, |row, u| both(rare, row, u * u)),
+                dense: fill(rows, |row, u| both(other, row, below(u * u))),
+                beyond: fill(rows, |row, u| reflect(other, row, beyond(u))),
             }
         };
-        let mut table = Self { axis, rare, ratio, form, averages: Vec::new() };
-        table.averages =
-            (0..rows).map(|row| table.row_averages(table.axis.thickness_nm(row, range.min_nm) as f32)).collect();
-        table
+        let averages = averages(&form, rare, ratio);
+        Self { axis, rare, ratio, form, averages }
     }
 
     pub(super) fn bytes(&self) -> usize {
@@ -147,32 +133,27 @@ impl Table {
         let place = self.axis.place(thickness_nm);
         place.between(|row| self.averages.get(row).map_or([0.0; 3], |pair| pair[(side == Side::Inside) as usize]))
     }
+}
 
-    /// 2 * integral of R mu dmu from each side (outside, inside), over this very table.
-    fn row_averages(&self, thickness_nm: f32) -> [[f32; 3]; 2] {
-        const STEPS: usize = 256;
-        let dense_side = if self.rare == Side::Outside { Side::Inside } else { Side::Outside };
-        let (mut rare, mut below, mut beyond) = ([0.0f32; 3], [0.0f32; 3], [0.0f32; 3]);
-        let critical = 1.0 - 1.0 / self.ratio;
-        for step in 0..STEPS {
-            let mu = (step as f32 + 0.5) / STEPS as f32;
-            let weight = 2.0 * mu / STEPS as f32;
-            let add = |sum: &mut [f32; 3], side: Side, mu: f32| {
-                let reflect = self.split(side, mu, thickness_nm).reflect;
-                *sum = std::array::from_fn(|c| sum[c] + weight * reflect[c]);
-            };
-            add(&mut rare, self.rare, mu);
-            add(&mut below, dense_side, (1.0 - (1.0 - mu * mu) / self.ratio).max(0.0).sqrt());
-            add(&mut beyond, dense_side, (critical * (1.0 - mu * mu)).max(0.0).sqrt());
+/// 2 * integral of R mu dmu from each side (outside, inside) of each row, over the tables themselves.
+fn averages(form: &Form, rare: Side, ratio: f32) -> Vec<[[f32; 3]; 2]> {
+    // mu = u^2, so 2 mu dmu = 4 u^3 du.
+    let cosine = |u: f64| 4.0 * u * u * u;
+    let pairs: Vec<[[f32; 3]; 2]> = match form {
+        Form::Lossless { grid, opaque: true } => grid.integrals(cosine).into_iter().map(|r| [r, [1.0; 3]]).collect(),
+        Form::OneSided(grid) => grid.integrals(cosine).into_iter().map(|r| [r, [1.0; 3]]).collect(),
+        // What enters one way leaves the other: n_dense^2 (1 - F_dense) = n_rare^2 (1 - F_rare).
+        Form::Lossless { grid, .. } => {
+            grid.integrals(cosine).into_iter().map(|r| [r, r.map(|r| 1.0 - (1.0 - r) / ratio)]).collect()
         }
-        let dense: [f32; 3] = match &self.form {
-            Form::Lossless { opaque: true, .. } | Form::OneSided(_) => [1.0; 3],
-            // What enters one way leaves the other; no table edge is involved.
-            Form::Lossless { .. } => rare.map(|rare| 1.0 - (1.0 - rare) / self.ratio),
-            Form::TwoSided { .. } => std::array::from_fn(|c| below[c] / self.ratio + critical * beyond[c]),
-        };
-        if self.rare == Side::Outside { [rare, dense] } else { [dense, rare] }
-    }
+        // Transmitted directions by their conjugate cosine, total reflection by nu: 2 mu dmu = 2 nu dnu up to its sign.
+        Form::TwoSided { rare, dense, beyond } => {
+            let (below, beyond) = (dense.integrals(cosine), beyond.integrals(|u| 2.0 * u));
+            let total = |i: usize| std::array::from_fn(|c| below[i][c] / ratio + (1.0 - 1.0 / ratio) * beyond[i][c]);
+            rare.integrals(cosine).into_iter().enumerate().map(|(i, r)| [r, total(i)]).collect()
+        }
+    };
+    if rare == Side::Outside { pairs } else { pairs.into_iter().map(|[rare, dense]| [dense, rare]).collect() }
 }
 
 const TOTAL: Split<[f32; 3]> = Split { reflect: [1.0; 3], transmit: [0.0; 3] };
@@ -189,36 +170,36 @@ fn lossy(grid: &Grid<2>, mu: f32, place: Place) -> Split<[f32; 3]> {
     Split { reflect: [r, g, b], transmit: [tr, tg, tb] }
 }
 
-/// Doubles the columns of a one-row table until the old one interpolates the new nodes well enough. The grid of `columns`
-/// nodes is contained in that of 2 * columns - 1.
-fn refine<const K: usize>(constant: bool, build: impl Fn(usize) -> Grid<K>) -> Grid<K> {
-    if !constant {
-        return build(COLUMNS_2D);
+/// Fills a table. A single row is refined until the old table interpolates the new nodes well enough.
+fn fill<const K: usize>(rows: usize, value: impl Fn(usize, f32) -> [[f32; 3]; K] + Sync) -> Grid<K> {
+    if rows > 1 {
+        return Grid::new(rows, COLUMNS_2D, value);
     }
-    let mut columns = COLUMNS_1D[0];
-    let mut grid = build(columns);
+    let mut grid = Grid::new(1, COLUMNS_1D[0], &value);
     let color = |node: [[f32; 4]; K]| Lab::from_linear_srgb([node[0][0], node[0][1], node[0][2]].map(f64::from));
-    while columns < COLUMNS_1D[1] {
-        let finer = 2 * columns - 1;
-        let next = build(finer);
-        let worst = (1..finer)
-            .step_by(2)
-            .map(|i| i as f32 / (finer - 1) as f32)
-            .map(|u| delta_e_2000(color(grid.at(u, Place::first())), color(next.at(u, Place::first()))))
-            .fold(0.0, f64::max);
+    while grid.columns() < COLUMNS_1D[1] {
+        let finer = grid.refined(|u| value(0, u));
+        let midpoint = |i: usize| (2 * i + 1) as f32 / (finer.columns() - 1) as f32;
+        let error = |u: f32| delta_e_2000(color(grid.at(u, Place::first())), color(finer.at(u, Place::first())));
+        let worst = (0..grid.columns() - 1).map(|i| error(midpoint(i))).fold(0.0, f64::max);
+        // The finer one is paid for.
+        grid = finer;
         if worst < MIDPOINT_DELTA_E {
             break;
         }
-        (columns, grid) = (finer, next);
     }
     grid
 }
 
 /// Thickness nodes for a range, fine where fringes are visible.
-fn thickness_axis(stack: &Stack, range: Range) -> Axis {
+pub(super) fn thickness_axis(stack: &Stack, range: Range) -> Axis {
     let Some(layer) = stack.varying.filter(|_| !range.is_constant()) else { return Axis::point() };
     let n = stack.layers[layer].index.range_of_n().1.max(0.2);
-    let spacing = 450.0 / (2.0 * n) / PER_FRINGE;
+    // Strong reflections on both faces of the layer make narrow fringes.
+    let media = [&stack.outside, &stack.layers[layer].index, &stack.base].map(|curve| curve.at(450.0));
+    let contrast = ((media[0] - media[1]) / (media[0] + media[1])) * ((media[1] - media[2]) / (media[1] + media[2]));
+    let sharpness = if stack.layers.len() == 1 { 1.0 + 4.0 * contrast.norm() } else { 2.0 };
+    let spacing = 450.0 / (2.0 * n) / (PER_FRINGE * sharpness);
     let (Range { min_nm, max_nm }, coarser, faded) = (range, 0.5 * COARSER_NM / n, 0.5 * FADED_NM / n);
     let spans = [
         (min_nm, max_nm.min(coarser), spacing),

@@ -86,7 +86,8 @@ pub fn radiance<M: Mode>(
         let vertex = Vertex::new(scene, material, surface, -ray.dir, absorption_per_m, waves);
         let [u_light, u_light_x, u_light_y, u_roulette] = sampler.next_4d();
         if !vertex.bsdf.is_delta() {
-            radiance += throughput * direct_light(scene, &vertex, [u_light, u_light_x, u_light_y], waves, limits, tally);
+            radiance +=
+                throughput * direct_light(scene, &vertex, [u_light, u_light_x, u_light_y], waves, limits, tally);
         }
 
         // Sample the surface.

@@ -17,7 +17,8 @@ struct AliasEntry {
 impl Alias {
     /// `None` when no weight is positive. Non-finite and negative weights count as zero.
     pub fn new(weights: &[f32]) -> Option<Self> {
-        let weights: Vec<f64> = weights.iter().map(|&w| if w.is_finite() && w > 0.0 { f64::from(w) } else { 0.0 }).collect();
+        let weights: Vec<f64> =
+            weights.iter().map(|&w| if w.is_finite() && w > 0.0 { f64::from(w) } else { 0.0 }).collect();
         let sum: f64 = weights.iter().sum();
         if sum <= 0.0 {
             return None;
@@ -54,7 +55,11 @@ impl Alias {
         let position = u * self.entries.len() as f32;
         let cell = (position as usize).min(self.entries.len() - 1);
         let entry = self.entries[cell];
-        let index = if position - cell as f32 <= entry.threshold && entry.threshold > 0.0 { cell } else { entry.other as usize };
+        let index = if position - cell as f32 <= entry.threshold && entry.threshold > 0.0 {
+            cell
+        } else {
+            entry.other as usize
+        };
         (index, self.entries[index].probability)
     }
 

@@ -41,7 +41,8 @@ mod tests {
 
     #[test]
     fn frames_are_orthonormal_and_invertible() {
-        for normal in [Vec3::Z, -Vec3::Z, Vec3::X, Vec3::new(0.6, -0.48, 0.64), Vec3::new(1e-4, 0.0, -1.0).normalize()] {
+        for normal in [Vec3::Z, -Vec3::Z, Vec3::X, Vec3::new(0.6, -0.48, 0.64), Vec3::new(1e-4, 0.0, -1.0).normalize()]
+        {
             let frame = Frame::new(normal);
             assert!(frame.tangent.dot(frame.bitangent).abs() < 1e-6);
             assert!((frame.tangent.cross(frame.bitangent) - normal).length() < 1e-5);

@@ -77,7 +77,9 @@ mod tests {
 
     #[test]
     fn filters_are_centred_and_as_wide_as_they_say() {
-        for (filter, variance) in [(Filter::Box, 1.0 / 12.0), (Filter::Gaussian, 0.243), (Filter::BlackmanHarris, 0.126)] {
+        for (filter, variance) in
+            [(Filter::Box, 1.0 / 12.0), (Filter::Gaussian, 0.243), (Filter::BlackmanHarris, 0.126)]
+        {
             let offsets: Vec<f32> = (0..10_000).map(|i| filter.sample((i as f32 + 0.5) / 10_000.0)).collect();
             let mean = offsets.iter().sum::<f32>() / 1e4;
             let spread = offsets.iter().map(|x| x * x).sum::<f32>() / 1e4;

@@ -13,8 +13,8 @@ use super::surface::{Body, Part, Place, Shading};
 use super::texture::Texture;
 use super::{BuildError, Scene};
 use crate::color::Sensor;
-use crate::document::{Base, Document, Geometry, Item, Map, Mesh, Scalar, Shape};
 use crate::document;
+use crate::document::{Base, Document, Geometry, Item, Map, Mesh, Scalar, Shape};
 use crate::embree::{self, AccelBuilder};
 use crate::film::Rung;
 use crate::mode::Mode;
@@ -246,9 +246,9 @@ fn parts(document: &Document, geometry: &Geometry, mesh: &Mesh, bindings: &[docu
         let binding = bindings.iter().find(|b| b.symbol == group.symbol);
         let material = binding.map_or(fallback, |b| b.material);
         let texcoord = document.materials.get(material).and_then(first_texcoord);
-        let bound_set = binding.zip(texcoord).and_then(|(b, name)| {
-            b.uv_sets.iter().find(|(semantic, _)| semantic == name).map(|(_, set)| *set)
-        });
+        let bound_set = binding
+            .zip(texcoord)
+            .and_then(|(b, name)| b.uv_sets.iter().find(|(semantic, _)| semantic == name).map(|(_, set)| *set));
         let uv_set = bound_set.and_then(|set| mesh.uv_sets.iter().position(|uvs| uvs.set == set)).unwrap_or(0);
         Part {
             end: group.triangles.end as u32,
@@ -266,7 +266,9 @@ fn parts(document: &Document, geometry: &Geometry, mesh: &Mesh, bindings: &[docu
 fn first_texcoord(material: &document::Material) -> Option<&str> {
     let base_map: Option<&Map> = match &material.base {
         Base::Diffuse { reflectance, .. } => reflectance.map.as_ref(),
-        Base::Conductor { microfacets, .. } | Base::Dielectric { microfacets, .. } => microfacets.roughness.map.as_ref(),
+        Base::Conductor { microfacets, .. } | Base::Dielectric { microfacets, .. } => {
+            microfacets.roughness.map.as_ref()
+        }
         Base::Black => None,
     };
     let film_map = || {

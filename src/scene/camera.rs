@@ -112,7 +112,8 @@ impl Camera {
         if course {
             let centre = 0.5 * (bounds.0 + bounds.1);
             // The course takes position + forward of the node as a direction from the origin.
-            let backward = place.to_world.transform_point3(Vec3::new(0.0, 0.0, -1.0)).try_normalize().unwrap_or(Vec3::Z);
+            let backward =
+                place.to_world.transform_point3(Vec3::new(0.0, 0.0, -1.0)).try_normalize().unwrap_or(Vec3::Z);
             let eye = centre + backward * (CS184_DISTANCE * (bounds.1 - bounds.0).length());
             camera = Self::looking(eye, -backward, Vec3::Y, half, orthographic, size);
         }
@@ -123,11 +124,8 @@ impl Camera {
 
     fn looking(origin: Vec3, forward: Vec3, up_hint: Vec3, half: Vec2, orthographic: bool, size: [u32; 2]) -> Self {
         let any_up = if forward.y.abs() < 0.99 { Vec3::Y } else { Vec3::Z };
-        let right = forward
-            .cross(up_hint)
-            .try_normalize()
-            .or_else(|| forward.cross(any_up).try_normalize())
-            .unwrap_or(Vec3::X);
+        let right =
+            forward.cross(up_hint).try_normalize().or_else(|| forward.cross(any_up).try_normalize()).unwrap_or(Vec3::X);
         let up = right.cross(forward);
         Self { origin, right, up, forward, half, shift: Vec2::ZERO, orthographic, lens: None, size }
     }
@@ -181,7 +179,9 @@ fn aperture_point(blades: u32, u: [f32; 2]) -> Vec2 {
 /// Width over height that the camera itself asks for.
 fn natural_aspect(projection: &Projection) -> f32 {
     let (x, y, aspect) = match *projection {
-        Projection::Perspective { xfov_deg, yfov_deg, aspect } => (xfov_deg.map(tan_half), yfov_deg.map(tan_half), aspect),
+        Projection::Perspective { xfov_deg, yfov_deg, aspect } => {
+            (xfov_deg.map(tan_half), yfov_deg.map(tan_half), aspect)
+        }
         Projection::Orthographic { xmag, ymag, aspect } => (xmag, ymag, aspect),
     };
     match (x, y, aspect) {
@@ -198,7 +198,9 @@ fn half_extent(projection: &Projection, size: [u32; 2], scale: f32) -> (Vec2, bo
         Projection::Perspective { xfov_deg, yfov_deg, aspect } => {
             (xfov_deg.map(tan_half), yfov_deg.map(tan_half), aspect, false)
         }
-        Projection::Orthographic { xmag, ymag, aspect } => (xmag.map(|m| m * scale), ymag.map(|m| m * scale), aspect, true),
+        Projection::Orthographic { xmag, ymag, aspect } => {
+            (xmag.map(|m| m * scale), ymag.map(|m| m * scale), aspect, true)
+        }
     };
     // Without an aspect of its own the camera takes the picture's.
     let aspect = aspect.filter(|&a| a > 0.0).unwrap_or(picture);

@@ -8,9 +8,9 @@ use glam::{Affine3A, Vec3};
 use super::environment::Sky;
 use super::surface::Surface;
 use crate::document::{Falloff, SpotEdge};
+use crate::math::Frame;
 use crate::math::distribution::Alias;
 use crate::math::warp::{cone_pdf, square_to_cone, square_to_sphere, square_to_triangle};
-use crate::math::Frame;
 use crate::mode::{Lanes, Mode};
 
 /// One source that light sampling can choose.
@@ -19,10 +19,18 @@ pub enum Emitter<M: Mode> {
     Triangle(Triangle),
     /// An emitting sphere.
     Sphere(Sphere),
-    Point { position: Vec3, intensity: Source<M>, falloff: Falloff },
+    Point {
+        position: Vec3,
+        intensity: Source<M>,
+        falloff: Falloff,
+    },
     Spot(Spot<M>),
     /// From a disc of directions around `toward`; parallel when `one_minus_cos` is 0. `color` is irradiance.
-    Directional { toward: Vec3, one_minus_cos: f32, irradiance: Source<M> },
+    Directional {
+        toward: Vec3,
+        one_minus_cos: f32,
+        irradiance: Source<M>,
+    },
     Sky(Sky<M>),
 }
 

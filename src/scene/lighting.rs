@@ -4,12 +4,12 @@ use std::f32::consts::PI;
 
 use glam::{Affine3A, Vec3};
 
+use super::BuildError;
 use super::build::{Assembly, BuildOptions};
-use super::light::{self, Emitter, Sphere, Spot, Triangle};
 use super::environment::Sky;
+use super::light::{self, Emitter, Sphere, Spot, Triangle};
 use super::material::{Material, source};
 use super::surface::Part;
-use super::BuildError;
 use crate::color::{Emission, Sensor};
 use crate::document::{self, AreaShape, Base, Document, Falloff, Item, Light, LightKind, Mesh, SurfaceEmission};
 use crate::mode::Mode;
@@ -92,7 +92,9 @@ pub(super) fn place_light<M: Mode>(
         assembly.power.push(power);
     };
     match light.kind {
-        LightKind::Area { shape, visible } => place_area(assembly, placed, shape, visible, light.color, sensor, options)?,
+        LightKind::Area { shape, visible } => {
+            place_area(assembly, placed, shape, visible, light.color, sensor, options)?
+        }
         LightKind::Point { radius_m, falloff: Falloff::Physical } if radius_m > 0.0 => {
             // A sphere of radiance L has intensity L pi r^2.
             let radiance = light.color / (PI * radius_m * radius_m);

@@ -37,12 +37,32 @@ pub struct SurfaceEmission<M: Mode> {
 
 enum Body<M: Mode> {
     Black,
-    Diffuse { reflectance: document::Texture },
-    CoatedDiffuse { reflectance: document::Texture, film: M::Film, ior: f32 },
-    Conductor { film: M::Film, distribution: Distribution, roughness: Scalar },
-    Dielectric { film: M::Film, distribution: Distribution, roughness: Scalar, eta: f32, absorption_per_m: Vec3 },
+    Diffuse {
+        reflectance: document::Texture,
+    },
+    CoatedDiffuse {
+        reflectance: document::Texture,
+        film: M::Film,
+        ior: f32,
+    },
+    Conductor {
+        film: M::Film,
+        distribution: Distribution,
+        roughness: Scalar,
+    },
+    Dielectric {
+        film: M::Film,
+        distribution: Distribution,
+        roughness: Scalar,
+        eta: f32,
+        absorption_per_m: Vec3,
+    },
     /// Transmits everything, bent but unreflected (CGL `<refraction>`).
-    Refractor { film: M::Film, eta: f32, absorption_per_m: Vec3 },
+    Refractor {
+        film: M::Film,
+        eta: f32,
+        absorption_per_m: Vec3,
+    },
 }
 
 impl<M: Mode> Material<M> {
@@ -158,7 +178,9 @@ impl<M: Mode> Material<M> {
     pub fn emitted(&self, surface: &Surface, cos: f32, textures: &[Texture], waves: &M::Waves) -> M::Light {
         match &self.emission {
             Some(emission) => match &emission.radiance.map {
-                Some(map) => emission.uniform(cos, waves) * M::reflectance(lookup_rgb(textures, map, surface.uv), waves),
+                Some(map) => {
+                    emission.uniform(cos, waves) * M::reflectance(lookup_rgb(textures, map, surface.uv), waves)
+                }
                 None => emission.uniform(cos, waves),
             },
             None => M::Light::ZERO,
@@ -180,7 +202,8 @@ impl<M: Mode> Material<M> {
 
     /// True when a ray may go straight through somewhere.
     pub fn lets_through(&self) -> bool {
-        let straight = matches!(self.body, Body::Dielectric { eta, .. } | Body::Refractor { eta, .. } if (eta - 1.0).abs() < 1e-3);
+        let straight =
+            matches!(self.body, Body::Dielectric { eta, .. } | Body::Refractor { eta, .. } if (eta - 1.0).abs() < 1e-3);
         straight || self.opacity.map.is_some() || self.opacity.value < 1.0
     }
 
@@ -202,7 +225,11 @@ impl<M: Mode> Material<M> {
 impl<M: Mode> SurfaceEmission<M> {
     /// Radiance on the side of `cos` where no image varies it.
     pub fn uniform(&self, cos: f32, waves: &M::Waves) -> M::Light {
-        if cos > 0.0 || self.two_sided { M::emitted(&self.spectrum, self.radiance.value, waves) } else { M::Light::ZERO }
+        if cos > 0.0 || self.two_sided {
+            M::emitted(&self.spectrum, self.radiance.value, waves)
+        } else {
+            M::Light::ZERO
+        }
     }
 
     /// Rough mean radiance, for choosing between lights.

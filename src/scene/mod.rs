@@ -108,7 +108,11 @@ impl<M: Mode> Scene<M> {
             // The end point stays where it is while the origin moves on.
             let end = ray.at(ray.tfar);
             let origin = surface.leave(ray.dir);
-            let left = if ray.tfar.is_finite() { (end - origin).dot(ray.dir) / ray.dir.length_squared() } else { f32::INFINITY };
+            let left = if ray.tfar.is_finite() {
+                (end - origin).dot(ray.dir) / ray.dir.length_squared()
+            } else {
+                f32::INFINITY
+            };
             if left <= 0.0 {
                 return (light, probability);
             }

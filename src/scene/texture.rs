@@ -87,7 +87,11 @@ impl Texture {
             .all_attributes()
             .from_buffered(std::io::Cursor::new(bytes))?;
         let size = picture.layer_data.size;
-        Ok(Self { width: size.width(), height: size.height(), texels: Texels::Float(picture.layer_data.channel_data.pixels.1) })
+        Ok(Self {
+            width: size.width(),
+            height: size.height(),
+            texels: Texels::Float(picture.layer_data.channel_data.pixels.1),
+        })
     }
 
     /// One glaring texel in place of a missing image.
@@ -128,12 +132,11 @@ impl Texture {
         let y = (1.0 - uv.y) * self.height as f32 - 0.5;
         let (x0, y0) = (x.floor(), y.floor());
         let (fx, fy) = (x - x0, y - y0);
-        let at = |dx: f32, dy: f32| {
-            match (wrapped(x0 + dx, self.width, wrap[0]), wrapped(y0 + dy, self.height, wrap[1])) {
+        let at =
+            |dx: f32, dy: f32| match (wrapped(x0 + dx, self.width, wrap[0]), wrapped(y0 + dy, self.height, wrap[1])) {
                 (Some(column), Some(row)) => self.texel(column, row, encoding),
                 _ => Vec4::ZERO,
-            }
-        };
+            };
         let top = at(0.0, 0.0).lerp(at(1.0, 0.0), fx);
         let bottom = at(0.0, 1.0).lerp(at(1.0, 1.0), fx);
         top.lerp(bottom, fy)

@@ -23,7 +23,8 @@ impl Thickness {
             }
             Self::Drain { top_nm, bottom_nm, exponent } => {
                 let [low, high] = surface.place.height_m;
-                let fallen = if high > low { ((high - surface.position.y) / (high - low)).clamp(0.0, 1.0) } else { 0.5 };
+                let fallen =
+                    if high > low { ((high - surface.position.y) / (high - low)).clamp(0.0, 1.0) } else { 0.5 };
                 top_nm + (bottom_nm - top_nm) * fallen.powf(*exponent)
             }
             Self::Map { min_nm, max_nm, map } => {
