@@ -1,6 +1,7 @@
 //! All tests, one binary. Each module says what it proves.
 
 mod bsdf; // sampling agrees with densities; energy; reciprocity
+mod cli; // the program as it is run: exit codes, messages, signals, full disks
 mod collada; // files load to what they say; bad ones give exactly the error that helps
 mod embree; // layouts and hits against closed forms
 mod film; // the optics against independent truth tables

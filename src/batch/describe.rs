@@ -66,7 +66,8 @@ pub fn describe(document: &Document, tolerance: f32) -> Result<String, Error> {
         }
     }
 
-    line(0, format!("lights: {}", document.lights.len()));
+    let emissive = document.materials.iter().filter(|material| material.emission.is_some()).count();
+    line(0, format!("lights: {}, and {emissive} materials that emit", document.lights.len()));
     for light in &document.lights {
         line(2, format!("{}: {}", light.id, light_kind(light)));
     }

@@ -26,6 +26,8 @@ pub struct StillPlan {
     pub png_depth: PngDepth,
     /// 32-bit EXR.
     pub float: bool,
+    /// Largest number of bytes for the picture; `None`: what the machine has left.
+    pub max_memory: Option<u64>,
 }
 
 /// A scene that is ready to render.
@@ -40,13 +42,14 @@ pub struct Prepared<M: Mode> {
 /// Builds the scene and places the camera.
 ///
 /// # Errors
-/// Images, indices or memory (see [`scene::build`]), or a camera that does not exist.
+/// Images, indices or memory (see [`scene::build`]), a camera that does not exist, or a picture too large for the memory.
 pub fn prepare<M: Mode>(document: &Document, plan: &StillPlan) -> Result<Prepared<M>, Error> {
     let start = Instant::now();
     let name = document.path.display().to_string();
     let scene = scene::build::<M>(document, &plan.build).map_err(|source| Error::Build { scene: name, source })?;
     let (camera, placed) =
         Camera::new(document, plan.camera.as_deref(), plan.size, plan.framing, scene.bounds).map_err(Error::Usage)?;
+    render::check_memory(camera.size, plan.max_memory.unwrap_or_else(render::available_memory))?;
     let mut notes = Vec::new();
     match placed {
         Placed::AsWritten => {}
@@ -66,7 +69,7 @@ impl<M: Mode> Prepared<M> {
     pub fn summary(&self, document: &Document, plan: &StillPlan) -> String {
         let [width, height] = self.camera.size;
         format!(
-            "{}: {} triangles, {} materials, {} lights; {width}x{height}, {} spp, {} bounces",
+            "{}: {} triangles, {} materials, {} emitters; {width}x{height}, {} spp, {} bounces",
             document.path.display(),
             triangles(document),
             document.materials.len(),
@@ -77,7 +80,7 @@ impl<M: Mode> Prepared<M> {
     }
 
     /// # Errors
-    /// Threads or memory that the machine cannot give.
+    /// Threads that the machine cannot give.
     pub fn render(&self, plan: &StillPlan, watch: &dyn Watch) -> Result<Frame, Error> {
         Ok(render::render(&self.scene, &self.camera, &plan.render, watch)?)
     }

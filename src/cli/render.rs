@@ -79,6 +79,9 @@ pub struct RenderArgs {
     /// Write 32-bit instead of 16-bit floats to EXR
     #[arg(long)]
     float: bool,
+    /// Most memory for the picture, like `8G` or `500M` [default: what the machine has left]
+    #[arg(long, value_name = "SIZE", value_parser = parse_bytes)]
+    max_memory: Option<u64>,
     /// Write timings, counts and settings as JSON
     #[arg(long, value_name = "FILE")]
     stats: Option<PathBuf>,
@@ -142,8 +145,16 @@ fn parse_size(text: &str) -> Result<Size, String> {
     }
 }
 
+/// Bytes, or with the letters k, M, G, T the powers of 1000.
+fn parse_bytes(text: &str) -> Result<u64, String> {
+    let letters = ["k", "M", "G", "T"];
+    let found = letters.iter().zip(1..).find_map(|(letter, power)| Some((text.strip_suffix(letter)?, power)));
+    let (digits, power) = found.unwrap_or((text, 0));
+    let bytes = digits.parse::<u64>().ok().and_then(|number| number.checked_mul(1000u64.pow(power)));
+    bytes.ok_or_else(|| "write it as a whole number of bytes, or like `500M` or `8G`".to_owned())
+}
+
 pub fn run(args: &RenderArgs) -> Result<(), Error> {
-    let signal = signals();
     let inform = |line: &str| {
         if !args.quiet {
             say(line);
@@ -169,6 +180,8 @@ pub fn run(args: &RenderArgs) -> Result<(), Error> {
     for note in &prepared.notes {
         inform(note);
     }
+    // Until here a signal simply ends the program: there is nothing to save yet.
+    let signal = signals();
     inform(&prepared.summary(&document, &plan));
 
     let style = if args.quiet { ProgressArg::None } else { args.progress };
@@ -178,6 +191,14 @@ pub fn run(args: &RenderArgs) -> Result<(), Error> {
     let frame = prepared.render(&plan, &progress)?;
     progress.finish();
 
+    let stopped = (frame.spp < plan.render.spp).then(|| {
+        let signal = signal.load(Ordering::Relaxed) as i32;
+        let name = if signal == SIGINT { "SIGINT" } else { "SIGTERM" };
+        Error::Interrupted { signal, name, done: frame.spp, wanted: plan.render.spp }
+    });
+    if frame.spp == 0 {
+        return stopped.map_or(Ok(()), Err);
+    }
     let mut stats = prepared.stats(&document, &plan, &frame, parse_s);
     let picture = prepared.picture(&frame, &stats);
     let (written, write_s) = still::write(&args.output, format, &picture, &plan)?;
@@ -186,16 +207,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Error> {
         output::write_text(path, &stats.to_json())?;
     }
     inform(&stats.summary(&args.output));
-
-    match signal.load(Ordering::Relaxed) {
-        0 => Ok(()),
-        signal => Err(Error::Interrupted {
-            signal: signal as i32,
-            name: if signal as i32 == SIGINT { "SIGINT" } else { "SIGTERM" },
-            done: frame.spp,
-            wanted: plan.render.spp,
-        }),
-    }
+    stopped.map_or(Ok(()), Err)
 }
 
 impl RenderArgs {
@@ -237,6 +249,7 @@ impl RenderArgs {
             exposure_ev: self.exposure.or(hints.exposure_ev).unwrap_or(0.0),
             png_depth: if self.png_depth == "16" { PngDepth::Sixteen } else { PngDepth::Eight },
             float: self.float,
+            max_memory: self.max_memory,
         }
     }
 }
