@@ -292,7 +292,9 @@ fn lamps_of_blender_follow_the_unit() {
         let relative = light(&small, id).color / light(&large, id).color;
         assert!(relative.abs_diff_eq(Vec3::splat(ratio), 1e-5 * ratio), "{id}: {relative}");
     }
-    assert!(matches!(light(&small, "point").kind, LightKind::Point { radius_m, .. } if (radius_m - 0.001).abs() < 1e-9));
+    assert!(
+        matches!(light(&small, "point").kind, LightKind::Point { radius_m, .. } if (radius_m - 0.001).abs() < 1e-9)
+    );
 }
 
 #[test]

@@ -88,7 +88,7 @@ pub fn render<M: Mode>(
     let mut done = 0;
     while done < plan.spp {
         // Small passes first, so that a short render shows something early.
-        let count = done.max(1).min(PASS_SPP).min(plan.spp - done);
+        let count = done.clamp(1, PASS_SPP).min(plan.spp - done);
         let pass = pool.install(|| {
             tiles
                 .par_iter_mut()
