@@ -69,7 +69,8 @@ fn unsafe_lives_in_one_room_and_gives_its_reasons() {
                 continue;
             }
             assert_eq!(room(&file), "embree", "{}:{}: unsafe", file.display(), i + 1);
-            let reasoned = lines[i.saturating_sub(9)..i].iter().any(|l| l.contains("SAFETY:") || l.contains("# Safety"));
+            let reasoned =
+                lines[i.saturating_sub(9)..i].iter().any(|l| l.contains("SAFETY:") || l.contains("# Safety"));
             assert!(reasoned, "{}:{}: unsafe without a SAFETY comment", file.display(), i + 1);
         }
     }

@@ -90,9 +90,10 @@ impl Integrand<'_> {
         let mut sums = [[[0.0f32; WIDTH]; 3]; 2];
         for (block, media) in self.rule.blocks.iter().zip(&self.media) {
             let split = media.split(side, cos_i, thickness_nm);
-            for c in 0..3 {
-                accumulate(&mut sums[0][c], &block.weights[c], &split.reflect);
-                accumulate(&mut sums[1][c], &block.weights[c], &split.transmit);
+            for (sums, values) in sums.iter_mut().zip([&split.reflect, &split.transmit]) {
+                for (sum, weights) in sums.iter_mut().zip(&block.weights) {
+                    accumulate(sum, weights, values);
+                }
             }
         }
         sums.map(|sums| sums.map(|lanes| lanes.iter().sum()))
