@@ -72,7 +72,7 @@ impl Case {
                 internal_reflectance: Rgb::average(&self.film, Side::Inside, 0.0, &()),
             }),
             Kind::Conductor => Bsdf::Conductor(Conductor { coat, microfacets }),
-            Kind::Dielectric { eta } => Bsdf::Dielectric(Dielectric { coat, microfacets, eta }),
+            Kind::Dielectric { eta } => Bsdf::Dielectric(Dielectric { coat, microfacets, refraction: (eta, false) }),
         }
     }
 
@@ -171,7 +171,7 @@ fn weights_are_value_over_density() {
         let bsdf = case.bsdf();
         for wo in case.views() {
             for index in 0..500 {
-                let Some(BsdfSample { wi, weight, pdf: Pdf::SolidAngle(pdf) }) = draw(&bsdf, wo, index) else {
+                let Some(BsdfSample { wi, weight, pdf: Pdf::SolidAngle(pdf), .. }) = draw(&bsdf, wo, index) else {
                     continue;
                 };
                 let (value, stated) = bsdf.eval(wo, wi, &());

@@ -1,6 +1,7 @@
 //! A scene in words, for `pellicle check`.
 
 use std::fmt::Write;
+use std::sync::Arc;
 
 use crate::color::Index;
 use crate::document::{
@@ -8,7 +9,7 @@ use crate::document::{
 };
 use crate::error::Error;
 use crate::mode::Rgb;
-use crate::scene::{self, BuildOptions, cameras};
+use crate::scene::{FilmOptions, Scene, Stage, cameras};
 
 /// One section per kind of thing; films with the verdict that rendering would use.
 ///
@@ -16,17 +17,17 @@ use crate::scene::{self, BuildOptions, cameras};
 /// What [`scene::build`] reports: a scene that can be described can be rendered.
 pub fn describe(document: &Document, tolerance: f32) -> Result<String, Error> {
     let name = document.path.display().to_string();
-    let options = BuildOptions { tolerance, rung: None, threads: 0 };
-    let scene =
-        scene::build::<Rgb>(document, &options).map_err(|source| Error::Build { scene: name.clone(), source })?;
+    let failed = |source| Error::Build { scene: name.clone(), source };
+    let stage = Arc::new(Stage::new(document, 0).map_err(failed)?);
+    let scene = Scene::<Rgb>::new(stage.clone(), &FilmOptions { tolerance, rung: None }).map_err(failed)?;
     let mut text = String::new();
     // Writing to a String cannot fail.
     let mut line = |indent: usize, content: String| {
         let _ = writeln!(text, "{:indent$}{content}", "");
     };
-    let (low, high) = scene.bounds;
+    let (low, high) = stage.bounds;
     let size = high - low;
-    line(0, name);
+    line(0, name.clone());
     line(2, format!("size {:.4} x {:.4} x {:.4} m", size.x, size.y, size.z));
 
     let placements = document.placements();
@@ -61,7 +62,7 @@ pub fn describe(document: &Document, tolerance: f32) -> Result<String, Error> {
         for film in &material.films {
             line(4, format!("film {}", layer(film)));
         }
-        if let Some((_, verdict)) = scene.verdicts.iter().find(|(id, _)| *id == material.id) {
+        if let Some((_, verdict)) = scene.verdicts().find(|(id, _)| *id == material.id) {
             line(4, format!("{verdict}"));
         }
     }

@@ -1,6 +1,7 @@
 //! One picture.
 
 use std::path::Path;
+use std::sync::Arc;
 use std::time::Instant;
 
 use sha2::{Digest, Sha256};
@@ -11,7 +12,7 @@ use crate::error::Error;
 use crate::mode::Mode;
 use crate::output::{self, Format, HeaderValue, Picture, PngDepth, Written};
 use crate::render::{self, Frame, Plan, Watch};
-use crate::scene::{self, BuildOptions, Camera, Framing, Placed, Scene};
+use crate::scene::{BuildError, Camera, FilmOptions, Framing, Placed, Scene, Stage};
 
 /// What is to be made, with every default filled in.
 pub struct StillPlan {
@@ -19,7 +20,7 @@ pub struct StillPlan {
     /// Camera or node id; `None`: the first.
     pub camera: Option<String>,
     pub framing: Framing,
-    pub build: BuildOptions,
+    pub films: FilmOptions,
     pub render: Plan,
     /// PNG only.
     pub exposure_ev: f32,
@@ -34,21 +35,16 @@ pub struct StillPlan {
 pub struct Prepared<M: Mode> {
     scene: Scene<M>,
     pub camera: Camera,
-    /// Decisions that a user should hear of.
-    pub notes: Vec<String>,
-    start: Instant,
 }
 
-/// Builds the scene and places the camera.
+/// Shapes, images and lights, and where the camera stands; with what a user should hear of.
 ///
 /// # Errors
-/// Images, indices or memory (see [`scene::build`]), a camera that does not exist, or a picture too large for the memory.
-pub fn prepare<M: Mode>(document: &Document, plan: &StillPlan) -> Result<Prepared<M>, Error> {
-    let start = Instant::now();
-    let name = document.path.display().to_string();
-    let scene = scene::build::<M>(document, &plan.build).map_err(|source| Error::Build { scene: name, source })?;
+/// Images or memory (see [`Stage::new`]), a camera that does not exist, or a picture too large for the memory.
+pub fn stage(document: &Document, plan: &StillPlan) -> Result<(Arc<Stage>, Camera, Vec<String>), Error> {
+    let stage = Stage::new(document, plan.render.threads).map_err(|source| built(document, source))?;
     let (camera, placed) =
-        Camera::new(document, plan.camera.as_deref(), plan.size, plan.framing, scene.bounds).map_err(Error::Usage)?;
+        Camera::new(document, plan.camera.as_deref(), plan.size, plan.framing, stage.bounds).map_err(Error::Usage)?;
     render::check_memory(camera.size, plan.max_memory.unwrap_or_else(render::available_memory))?;
     let mut notes = Vec::new();
     match placed {
@@ -58,10 +54,28 @@ pub fn prepare<M: Mode>(document: &Document, plan: &StillPlan) -> Result<Prepare
         ),
         Placed::Box => notes.push("warning: the scene has no camera; framing everything".to_owned()),
     }
-    if scene.lights.emitters.is_empty() {
+    if stage.lights.emitters.is_empty() {
         notes.push("warning: the scene has no light; the picture will be black".to_owned());
     }
-    Ok(Prepared { scene, camera, notes, start })
+    Ok((Arc::new(stage), camera, notes))
+}
+
+/// Compiles the materials for a colour mode.
+///
+/// # Errors
+/// An unknown refractive index.
+pub fn prepare<M: Mode>(
+    document: &Document,
+    plan: &StillPlan,
+    stage: &Arc<Stage>,
+    camera: &Camera,
+) -> Result<Prepared<M>, Error> {
+    let scene = Scene::new(stage.clone(), &plan.films).map_err(|source| built(document, source))?;
+    Ok(Prepared { scene, camera: camera.clone() })
+}
+
+pub(super) fn built(document: &Document, source: BuildError) -> Error {
+    Error::Build { scene: document.path.display().to_string(), source }
 }
 
 impl<M: Mode> Prepared<M> {
@@ -73,7 +87,7 @@ impl<M: Mode> Prepared<M> {
             document.path.display(),
             triangles(document),
             document.materials.len(),
-            self.scene.lights.emitters.len(),
+            self.scene.stage.lights.emitters.len(),
             plan.render.spp,
             plan.render.limits.max_bounces
         )
@@ -87,8 +101,8 @@ impl<M: Mode> Prepared<M> {
 
     /// All that is known before the picture is written; [`Stats::finish`] adds the rest.
     pub fn stats(&self, document: &Document, plan: &StillPlan, frame: &Frame, parse_s: f64) -> Stats {
-        let times = self.scene.times;
-        let load_s = parse_s + times.textures_s + times.materials_s + times.bvh_s;
+        let stage = &self.scene.stage;
+        let load_s = parse_s + stage.textures_s + self.scene.materials_s + stage.bvh_s;
         let samples = f64::from(frame.width) * f64::from(frame.height) * f64::from(frame.spp);
         let rays = frame.tally.rays + frame.tally.shadow_rays;
         Stats {
@@ -104,14 +118,14 @@ impl<M: Mode> Prepared<M> {
             threads: frame.threads,
             triangles: triangles(document),
             parse_s,
-            textures_s: times.textures_s,
-            materials_s: times.materials_s,
-            bvh_s: times.bvh_s,
+            textures_s: stage.textures_s,
+            materials_s: self.scene.materials_s,
+            bvh_s: stage.bvh_s,
             load_s,
             render_s: frame.render_s,
             render_cpu_s: frame.render_cpu_s,
             write_s: 0.0,
-            total_s: parse_s + self.start.elapsed().as_secs_f64(),
+            total_s: load_s + frame.render_s,
             rays: frame.tally.rays,
             shadow_rays: frame.tally.shadow_rays,
             samples_per_s: samples / frame.render_s,
@@ -122,9 +136,8 @@ impl<M: Mode> Prepared<M> {
             peak_rss_mb: render::peak_rss_mb(),
             films: self
                 .scene
-                .verdicts
-                .iter()
-                .map(|(material, verdict)| FilmStats { material: material.clone(), verdict: verdict.clone() })
+                .verdicts()
+                .map(|(material, verdict)| FilmStats { material: material.to_owned(), verdict: verdict.clone() })
                 .collect(),
         }
     }

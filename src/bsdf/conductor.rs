@@ -30,7 +30,7 @@ impl<M: Mode> Conductor<'_, M> {
     pub(super) fn sample(&self, wo: Vec3, u: [f32; 3], waves: &M::Waves) -> Option<BsdfSample<M>> {
         if self.microfacets.is_smooth() {
             let weight = self.coat.split(Side::Outside, wo.z.abs(), waves).reflect;
-            return Some(BsdfSample { wi: Vec3::new(-wo.x, -wo.y, wo.z), weight, pdf: Pdf::Delta });
+            return Some(BsdfSample { wi: Vec3::new(-wo.x, -wo.y, wo.z), weight, pdf: Pdf::Delta, collapses: false });
         }
         let up = upper(wo);
         let h = self.microfacets.sample_visible(up, [u[1], u[2]]);
@@ -43,7 +43,12 @@ impl<M: Mode> Conductor<'_, M> {
         let g1 = self.microfacets.g1(up);
         let pdf = g1 * self.microfacets.d(h) / (4.0 * up.z);
         let weight = reflect * (self.microfacets.g2_reflect(up, wi) / g1);
-        Some(BsdfSample { wi: Vec3::new(wi.x, wi.y, wi.z.copysign(wo.z)), weight, pdf: Pdf::SolidAngle(pdf) })
+        Some(BsdfSample {
+            wi: Vec3::new(wi.x, wi.y, wi.z.copysign(wo.z)),
+            weight,
+            pdf: Pdf::SolidAngle(pdf),
+            collapses: false,
+        })
     }
 }
 

@@ -12,17 +12,33 @@ use crate::mode::{Lanes, Mode};
 pub struct Dielectric<'s, M: Mode> {
     pub coat: Coat<'s, M>,
     pub microfacets: Microfacets,
-    /// Refractive index inside over outside.
-    pub eta: f32,
+    /// Refractive index inside over outside, and whether it differs between the lanes of this path.
+    pub refraction: (f32, bool),
 }
 
 /// Indices closer to 1 than this bend light by less than f32 directions resolve.
 const STRAIGHT: f32 = 1e-4;
 
+/// True for a body that lets light go on as if it were not there.
+pub fn is_straight(eta: f32) -> bool {
+    (eta - 1.0).abs() <= STRAIGHT
+}
+
 impl<M: Mode> Dielectric<'_, M> {
     #[inline]
+    pub(super) fn eta(&self) -> f32 {
+        self.refraction.0
+    }
+
+    #[inline]
     fn bends(&self) -> bool {
-        (self.eta - 1.0).abs() > STRAIGHT
+        !is_straight(self.eta())
+    }
+
+    /// What is left of refracted light: all lanes, or the one that decided the direction.
+    #[inline]
+    fn refracted(&self, light: M::Light, waves: &M::Waves) -> M::Light {
+        if self.refraction.1 { M::survivors(light, waves) } else { light }
     }
 
     pub(super) fn through(&self, wo: Vec3, waves: &M::Waves) -> Option<(M::Light, f32)> {
@@ -74,7 +90,7 @@ impl<M: Mode> Dielectric<'_, M> {
         // eq. 21, times cos_i; radiance is compressed by eta^-2 when it enters the denser side.
         let value = split.transmit * (d * self.microfacets.g2_transmit(wo, wi) * cos_o * jacobian / (wo.z * eta * eta));
         let pass = 1.0 - self.reflect_probability(&split, wo, side, waves);
-        (value, self.microfacets.visible_pdf(wo, h) * jacobian * pass)
+        (self.refracted(value, waves), self.microfacets.visible_pdf(wo, h) * jacobian * pass)
     }
 
     /// Chance of taking the reflection lobe. A straight body decides at the surface, because its transmission knows no
@@ -98,7 +114,12 @@ impl<M: Mode> Dielectric<'_, M> {
             let reflect = lobe_probability(surface.reflect, surface.transmit);
             if u[0] >= reflect {
                 let pass = 1.0 - reflect;
-                return Some(BsdfSample { wi: -wo, weight: surface.transmit * (1.0 / pass), pdf: Pdf::Through(pass) });
+                return Some(BsdfSample {
+                    wi: -wo,
+                    weight: surface.transmit * (1.0 / pass),
+                    pdf: Pdf::Through(pass),
+                    collapses: false,
+                });
             }
         }
         let smooth = self.microfacets.is_smooth();
@@ -118,11 +139,11 @@ impl<M: Mode> Dielectric<'_, M> {
             let weight = split.reflect * (1.0 / reflect);
             let wi_world = mirror(wi, flip);
             if smooth {
-                return Some(BsdfSample { wi: wi_world, weight, pdf: Pdf::Delta });
+                return Some(BsdfSample { wi: wi_world, weight, pdf: Pdf::Delta, collapses: false });
             }
             let pdf = g1 * self.microfacets.d(h) / (4.0 * up.z) * reflect;
             let weight = weight * (self.microfacets.g2_reflect(up, wi) / g1);
-            return Some(BsdfSample { wi: wi_world, weight, pdf: Pdf::SolidAngle(pdf) });
+            return Some(BsdfSample { wi: wi_world, weight, pdf: Pdf::SolidAngle(pdf), collapses: false });
         }
         let eta = self.eta_across(side);
         let wi = refract(up, h, cos_o, eta)?;
@@ -130,13 +151,14 @@ impl<M: Mode> Dielectric<'_, M> {
             return None;
         }
         let pass = 1.0 - reflect;
-        let weight = split.transmit * (1.0 / (pass * eta * eta));
+        let weight = self.refracted(split.transmit * (1.0 / (pass * eta * eta)), waves);
+        let collapses = self.refraction.1;
         if smooth {
-            return Some(BsdfSample { wi: mirror(wi, flip), weight, pdf: Pdf::Delta });
+            return Some(BsdfSample { wi: mirror(wi, flip), weight, pdf: Pdf::Delta, collapses });
         }
         let pdf = self.microfacets.visible_pdf(up, h) * refraction_jacobian(cos_o, wi.dot(h), eta) * pass;
         let weight = weight * (self.microfacets.g2_transmit(up, wi) / g1);
-        Some(BsdfSample { wi: mirror(wi, flip), weight, pdf: Pdf::SolidAngle(pdf) })
+        Some(BsdfSample { wi: mirror(wi, flip), weight, pdf: Pdf::SolidAngle(pdf), collapses })
     }
 
     #[inline]
@@ -148,8 +170,8 @@ impl<M: Mode> Dielectric<'_, M> {
     #[inline]
     fn eta_across(&self, side: Side) -> f32 {
         match side {
-            Side::Outside => self.eta,
-            Side::Inside => 1.0 / self.eta,
+            Side::Outside => self.eta(),
+            Side::Inside => 1.0 / self.eta(),
         }
     }
 }

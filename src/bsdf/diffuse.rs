@@ -32,7 +32,7 @@ impl<M: Mode> Diffuse<M> {
             return None;
         }
         let wi = Vec3::new(wi.x, wi.y, wi.z.copysign(wo.z));
-        Some(BsdfSample { wi, weight: self.albedo, pdf: Pdf::SolidAngle(pdf) })
+        Some(BsdfSample { wi, weight: self.albedo, pdf: Pdf::SolidAngle(pdf), collapses: false })
     }
 }
 
@@ -83,7 +83,7 @@ impl<M: Mode> CoatedDiffuse<'_, M> {
         let mirror = lobe_probability(out.reflect, self.body_albedo(out.transmit));
         if u[0] < mirror {
             let wi = Vec3::new(-wo.x, -wo.y, wo.z);
-            return Some(BsdfSample { wi, weight: out.reflect * (1.0 / mirror), pdf: Pdf::Delta });
+            return Some(BsdfSample { wi, weight: out.reflect * (1.0 / mirror), pdf: Pdf::Delta, collapses: false });
         }
         let wi = square_to_cosine_hemisphere([u[1], u[2]]);
         let wi = Vec3::new(wi.x, wi.y, wi.z.copysign(wo.z));
@@ -91,6 +91,6 @@ impl<M: Mode> CoatedDiffuse<'_, M> {
         if pdf <= 0.0 {
             return None;
         }
-        Some(BsdfSample { wi, weight: value * (1.0 / pdf), pdf: Pdf::SolidAngle(pdf) })
+        Some(BsdfSample { wi, weight: value * (1.0 / pdf), pdf: Pdf::SolidAngle(pdf), collapses: false })
     }
 }

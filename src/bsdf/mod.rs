@@ -10,7 +10,7 @@ mod diffuse;
 mod microfacet;
 
 pub use conductor::Conductor;
-pub use dielectric::Dielectric;
+pub use dielectric::{Dielectric, is_straight};
 pub use diffuse::{CoatedDiffuse, Diffuse};
 use glam::Vec3;
 pub use microfacet::{Microfacets, SMOOTH_ALPHA};
@@ -34,6 +34,8 @@ pub struct BsdfSample<M: Mode> {
     /// f |cos theta_i| / pdf for an ordinary direction; the lobe's share of the light for a delta one.
     pub weight: M::Light,
     pub pdf: Pdf,
+    /// True when only the lane that decided the direction travels on ([`Mode::collapse`]).
+    pub collapses: bool,
 }
 
 /// How likely a direction was to be drawn.
@@ -88,8 +90,8 @@ impl<M: Mode> Bsdf<'_, M> {
     #[inline]
     pub fn compression(&self, entering: bool) -> f32 {
         match self {
-            Self::Dielectric(bsdf) if entering => bsdf.eta * bsdf.eta,
-            Self::Dielectric(bsdf) => 1.0 / (bsdf.eta * bsdf.eta),
+            Self::Dielectric(bsdf) if entering => bsdf.eta() * bsdf.eta(),
+            Self::Dielectric(bsdf) => 1.0 / (bsdf.eta() * bsdf.eta()),
             _ => 1.0,
         }
     }

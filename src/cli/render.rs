@@ -11,13 +11,15 @@ use super::progress::{Progress, ProgressArg};
 use super::say;
 use super::scene_args::{FramingArg, SceneArgs};
 use crate::batch::still::{self, StillPlan};
+use crate::batch::{Transport, choose_mode};
+use crate::document::{Document, RenderHints};
 use crate::error::Error;
 use crate::film::Rung;
 use crate::integrate::{PathLimits, Strategy};
-use crate::mode::Rgb;
-use crate::output::{self, PngDepth};
-use crate::render::{Filter, Plan};
-use crate::scene::BuildOptions;
+use crate::mode::{Mode, Rgb, Spectral};
+use crate::output::{self, Format, PngDepth};
+use crate::render::{Filter, Frame, Plan};
+use crate::scene::{Camera, FilmOptions, Stage};
 
 /// Render a picture of a scene
 ///
@@ -58,9 +60,12 @@ pub struct RenderArgs {
     /// Pixel filter
     #[arg(long, value_name = "NAME", value_enum, default_value = "blackman-harris")]
     filter: FilterArg,
-    /// Colour transport
-    #[arg(long, value_name = "NAME", value_enum, default_value = "rgb")]
-    mode: ModeArg,
+    /// Colour transport [default: the scene's, or auto]
+    #[arg(long, value_name = "NAME", value_enum)]
+    mode: Option<ModeArg>,
+    /// Wavelengths per path of spectral transport
+    #[arg(long, value_name = "N", value_parser = ["4", "8", "16"], default_value = "8")]
+    wavelengths: String,
     /// Film model, instead of the cheapest one within the tolerance
     #[arg(long, value_name = "RUNG", value_enum)]
     film: Option<RungArg>,
@@ -102,7 +107,10 @@ enum FilterArg {
 
 #[derive(Clone, Copy, ValueEnum)]
 enum ModeArg {
+    /// RGB where it is exact enough for the scene, else spectral
+    Auto,
     Rgb,
+    Spectral,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -176,49 +184,104 @@ pub fn run(args: &RenderArgs) -> Result<(), Error> {
     }
 
     let plan = args.plan(&document.render);
-    let prepared = still::prepare::<Rgb>(&document, &plan)?;
-    for note in &prepared.notes {
+    let (stage, camera, notes) = still::stage(&document, &plan)?;
+    for note in &notes {
         inform(note);
     }
-    // Until here a signal simply ends the program: there is nothing to save yet.
-    let signal = signals();
-    inform(&prepared.summary(&document, &plan));
-
-    let style = if args.quiet { ProgressArg::None } else { args.progress };
-    let [width, height] = prepared.camera.size;
-    let samples = u64::from(width) * u64::from(height) * u64::from(plan.render.spp);
-    let progress = Progress::new(style, samples, signal.clone());
-    let frame = prepared.render(&plan, &progress)?;
-    progress.finish();
-
-    let stopped = (frame.spp < plan.render.spp).then(|| {
-        let signal = signal.load(Ordering::Relaxed) as i32;
-        let name = if signal == SIGINT { "SIGINT" } else { "SIGTERM" };
-        Error::Interrupted { signal, name, done: frame.spp, wanted: plan.render.spp }
-    });
-    if frame.spp == 0 {
-        return stopped.map_or(Ok(()), Err);
+    let transport = match args.mode_of(&document.render)? {
+        ModeArg::Rgb => Transport::Rgb,
+        ModeArg::Spectral => Transport::Spectral,
+        ModeArg::Auto => {
+            let (transport, reason) = choose_mode(&document, &plan, &stage, &camera)?;
+            let name = if transport == Transport::Rgb { "rgb" } else { "spectral" };
+            inform(&format!("mode: {name} ({reason})"));
+            transport
+        }
+    };
+    let job = Job { args, document: &document, plan: &plan, stage: &stage, camera: &camera, format, parse_s };
+    match (transport, args.wavelengths.as_str()) {
+        (Transport::Rgb, _) => job.render::<Rgb>(),
+        (Transport::Spectral, "4") => job.render::<Spectral<4>>(),
+        (Transport::Spectral, "16") => job.render::<Spectral<16>>(),
+        (Transport::Spectral, _) => job.render::<Spectral<8>>(),
     }
-    let mut stats = prepared.stats(&document, &plan, &frame, parse_s);
-    let picture = prepared.picture(&frame, &stats);
-    let (written, write_s) = still::write(&args.output, format, &picture, &plan)?;
-    stats.finish(&written, write_s);
-    if let Some(path) = &args.stats {
-        output::write_text(path, &stats.to_json())?;
+}
+
+/// Everything that is settled before the colour mode.
+struct Job<'a> {
+    args: &'a RenderArgs,
+    document: &'a Document,
+    plan: &'a StillPlan,
+    stage: &'a Arc<Stage>,
+    camera: &'a Camera,
+    format: Format,
+    parse_s: f64,
+}
+
+impl Job<'_> {
+    fn render<M: Mode>(&self) -> Result<(), Error> {
+        let Self { args, document, plan, .. } = self;
+        let inform = |line: &str| {
+            if !args.quiet {
+                say(line);
+            }
+        };
+        let prepared = still::prepare::<M>(document, plan, self.stage, self.camera)?;
+        // Until here a signal simply ends the program: there is nothing to save yet.
+        let signal = signals();
+        inform(&prepared.summary(document, plan));
+
+        let style = if args.quiet { ProgressArg::None } else { args.progress };
+        let [width, height] = prepared.camera.size;
+        let samples = u64::from(width) * u64::from(height) * u64::from(plan.render.spp);
+        let progress = Progress::new(style, samples, signal.clone());
+        let frame = prepared.render(plan, &progress)?;
+        progress.finish();
+
+        let stopped = stopped(&signal, &frame, plan);
+        if frame.spp == 0 {
+            return stopped;
+        }
+        let mut stats = prepared.stats(document, plan, &frame, self.parse_s);
+        let picture = prepared.picture(&frame, &stats);
+        let (written, write_s) = still::write(&args.output, self.format, &picture, plan)?;
+        stats.finish(&written, write_s);
+        if let Some(path) = &args.stats {
+            output::write_text(path, &stats.to_json())?;
+        }
+        inform(&stats.summary(&args.output));
+        stopped
     }
-    inform(&stats.summary(&args.output));
-    stopped.map_or(Ok(()), Err)
+}
+
+/// The error that a signal makes of a render that is shorter for it.
+fn stopped(signal: &AtomicUsize, frame: &Frame, plan: &StillPlan) -> Result<(), Error> {
+    if frame.spp == plan.render.spp {
+        return Ok(());
+    }
+    let signal = signal.load(Ordering::Relaxed) as i32;
+    let name = if signal == SIGINT { "SIGINT" } else { "SIGTERM" };
+    Err(Error::Interrupted { signal, name, done: frame.spp, wanted: plan.render.spp })
 }
 
 impl RenderArgs {
+    fn mode_of(&self, hints: &RenderHints) -> Result<ModeArg, Error> {
+        match (self.mode, hints.mode.as_deref()) {
+            (Some(mode), _) => Ok(mode),
+            (None, None) => Ok(ModeArg::Auto),
+            (None, Some(name)) => ModeArg::from_str(name, false)
+                .map_err(|_| Error::Usage(format!("the scene asks for mode `{name}`; known are auto, rgb, spectral"))),
+        }
+    }
+
     /// What is meant: the command line over the scene's hints over the defaults.
-    fn plan(&self, hints: &crate::document::RenderHints) -> StillPlan {
+    fn plan(&self, hints: &RenderHints) -> StillPlan {
         let size = self.size.unwrap_or(Size { width: hints.width, height: hints.height });
         StillPlan {
             size: [size.width, size.height],
             camera: self.camera.clone().or_else(|| hints.camera.clone()),
             framing: self.framing.into(),
-            build: BuildOptions {
+            films: FilmOptions {
                 tolerance: self.tolerance.or(hints.tolerance).unwrap_or(1.0),
                 rung: self.film.map(|rung| match rung {
                     RungArg::Bare => Rung::Bare,
@@ -226,7 +289,6 @@ impl RenderArgs {
                     RungArg::Gaussian => Rung::Gaussian,
                     RungArg::Table => Rung::Table,
                 }),
-                threads: self.threads,
             },
             render: Plan {
                 spp: self.spp.or(hints.spp).unwrap_or(128),

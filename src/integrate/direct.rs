@@ -19,7 +19,7 @@ pub(super) fn direct_light<M: Mode>(
     limits: &PathLimits,
     tally: &mut Tally,
 ) -> M::Light {
-    let Some(sample) = scene.lights.sample(vertex.surface.position, u, waves) else { return M::Light::ZERO };
+    let Some(sample) = scene.stage.lights.sample(vertex.surface.position, u) else { return M::Light::ZERO };
     if limits.strategy == Strategy::Bsdf && !sample.alone {
         return M::Light::ZERO;
     }

@@ -50,7 +50,7 @@ pub fn radiance<M: Mode>(
         // Find the next surface, or the light beyond the scene.
         tally.rays += 1;
         let Some(surface) = scene.intersect(&ray) else {
-            scene.lights.escape(ray.dir, waves, |light, light_pdf| {
+            scene.escape(ray.dir, waves, |light, light_pdf| {
                 radiance += throughput * light * hit_weight(scattered.map(|(_, pdf)| (pdf, light_pdf)), limits);
             });
             return radiance;
@@ -62,9 +62,9 @@ pub fn radiance<M: Mode>(
         // Add what the surface emits.
         let material = scene.material(&surface);
         if surface.emitter != u32::MAX {
-            let light = material.emitted(&surface, -ray.dir.dot(surface.ng), scene.textures(), waves);
+            let light = scene.emitted(&surface, -ray.dir.dot(surface.ng), waves);
             if !light.is_black() {
-                let densities = scattered.map(|(from, pdf)| (pdf, scene.lights.surface_pdf(from, &surface)));
+                let densities = scattered.map(|(from, pdf)| (pdf, scene.stage.lights.surface_pdf(from, &surface)));
                 radiance += throughput * light * hit_weight(densities, limits);
             }
         }
@@ -98,6 +98,9 @@ pub fn radiance<M: Mode>(
             return radiance;
         }
         throughput *= sample.weight;
+        if sample.collapses {
+            M::collapse(waves);
+        }
         if sample.wi.z * vertex.wo.z < 0.0 {
             let entering = sample.wi.z < 0.0;
             absorption_per_m = if entering { material.absorption_per_m() } else { Vec3::ZERO };

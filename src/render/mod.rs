@@ -153,7 +153,7 @@ fn render_sample<M: Mode>(
     let ray = camera.ray(position, [lens_x, lens_y]);
     let light = radiance(scene, ray, &mut waves, &mut sampler, &plan.limits, tally);
     if light.is_finite() {
-        pixel.add(M::to_rgb(light, &waves, &scene.sensor));
+        pixel.add(M::to_rgb(light, &waves, &scene.stage.sensor));
     } else {
         tally.non_finite += 1;
     }

@@ -122,6 +122,11 @@ impl Camera {
         Ok((camera, if course { Placed::Cs184 } else { Placed::AsWritten }))
     }
 
+    /// The same view in a picture of another size and about the same aspect.
+    pub fn resized(&self, size: [u32; 2]) -> Self {
+        Self { size, ..self.clone() }
+    }
+
     fn looking(origin: Vec3, forward: Vec3, up_hint: Vec3, half: Vec2, orthographic: bool, size: [u32; 2]) -> Self {
         let any_up = if forward.y.abs() < 0.99 { Vec3::Y } else { Vec3::Z };
         let right =

@@ -1,6 +1,7 @@
 //! Light from infinitely far away: lat-long images, a constant sky, the CS184 hemisphere.
 
 use std::f32::consts::{FRAC_1_PI, PI, TAU};
+use std::sync::Arc;
 
 use glam::{Mat3, Vec2, Vec3};
 
@@ -9,29 +10,28 @@ use super::texture::Texture;
 use crate::document::{Encoding, Wrap};
 use crate::math::distribution::Grid;
 use crate::math::warp::{UNIFORM_SPHERE_PDF, square_to_sphere};
-use crate::mode::{Lanes, Mode};
 
-pub enum Sky<M: Mode> {
+pub enum Sky {
     /// The same radiance from everywhere.
-    Constant(Source<M>),
+    Constant(Source),
     /// The same radiance from everywhere above the horizon (+Y).
-    Hemisphere(Source<M>),
-    Image(Box<SkyImage<M>>),
+    Hemisphere(Source),
+    Image(Box<SkyImage>),
 }
 
 /// Radiance by direction: v = 0 at +y, u = atan2(x, -z) / 2 pi, turned by the environment's rotation.
-pub struct SkyImage<M: Mode> {
-    texture: Texture,
+pub struct SkyImage {
+    texture: Arc<Texture>,
     /// Multiplies the texels.
-    tint: Source<M>,
+    tint: Source,
     to_image: Mat3,
     /// Luminance times the sine that the projection squeezes.
     density: Option<Grid>,
 }
 
-impl<M: Mode> SkyImage<M> {
+impl SkyImage {
     /// `rotation_deg` turns the image about world up, anticlockwise seen from above.
-    pub fn new(texture: Texture, tint: Source<M>, rotation_deg: f32) -> Self {
+    pub fn new(texture: Arc<Texture>, tint: Source, rotation_deg: f32) -> Self {
         let (width, height) = (texture.width(), texture.height());
         let mut weights = Vec::with_capacity(width * height);
         for y in 0..height {
@@ -56,10 +56,10 @@ impl<M: Mode> SkyImage<M> {
         Self { texture, tint, to_image: Mat3::from_rotation_y(-rotation_deg.to_radians()), density }
     }
 
-    fn radiance(&self, toward: Vec3, waves: &M::Waves) -> M::Light {
+    fn radiance(&self, toward: Vec3) -> Source {
         let uv = self.uv(toward);
         let texel = self.texture.lookup(Vec2::new(uv.x, 1.0 - uv.y), [Wrap::Repeat, Wrap::Clamp], Encoding::Linear);
-        M::emitted(&self.tint.spectrum, texel.truncate() * self.tint.rgb, waves)
+        Source { rgb: texel.truncate() * self.tint.rgb, ..self.tint }
     }
 
     fn uv(&self, toward: Vec3) -> Vec2 {
@@ -102,13 +102,13 @@ impl<M: Mode> SkyImage<M> {
     }
 }
 
-impl<M: Mode> Sky<M> {
-    pub fn radiance(&self, toward: Vec3, waves: &M::Waves) -> M::Light {
+impl Sky {
+    pub fn radiance(&self, toward: Vec3) -> Source {
         match self {
-            Self::Constant(source) => source.emitted(waves),
-            Self::Hemisphere(source) if toward.y > 0.0 => source.emitted(waves),
-            Self::Hemisphere(_) => M::Light::ZERO,
-            Self::Image(image) => image.radiance(toward, waves),
+            Self::Constant(source) => *source,
+            Self::Hemisphere(source) if toward.y > 0.0 => *source,
+            Self::Hemisphere(source) => Source { rgb: Vec3::ZERO, ..*source },
+            Self::Image(image) => image.radiance(toward),
         }
     }
 

@@ -11,27 +11,26 @@ use crate::document::{Falloff, SpotEdge};
 use crate::math::Frame;
 use crate::math::distribution::Alias;
 use crate::math::warp::{cone_pdf, square_to_cone, square_to_sphere, square_to_triangle};
-use crate::mode::{Lanes, Mode};
 
 /// One source that light sampling can choose.
-pub enum Emitter<M: Mode> {
+pub enum Emitter {
     /// A triangle of an emitting mesh, world space.
     Triangle(Triangle),
     /// An emitting sphere.
     Sphere(Sphere),
     Point {
         position: Vec3,
-        intensity: Source<M>,
+        intensity: Source,
         falloff: Falloff,
     },
-    Spot(Spot<M>),
+    Spot(Spot),
     /// From a disc of directions around `toward`; parallel when `one_minus_cos` is 0. `color` is irradiance.
     Directional {
         toward: Vec3,
         one_minus_cos: f32,
-        irradiance: Source<M>,
+        irradiance: Source,
     },
-    Sky(Sky<M>),
+    Sky(Sky),
 }
 
 #[derive(Clone, Copy)]
@@ -58,38 +57,39 @@ pub struct Triangle {
     pub hidden: bool,
 }
 
-pub struct Spot<M: Mode> {
+pub struct Spot {
     pub position: Vec3,
     pub axis: Vec3,
     pub cos_half_cone: f32,
     pub edge: SpotEdge,
-    pub intensity: Source<M>,
+    pub intensity: Source,
     pub falloff: Falloff,
 }
 
-/// A colour with the spectrum it is painted in.
-pub struct Source<M: Mode> {
+/// A colour with the spectrum it is painted in; any colour mode can read it.
+#[derive(Clone, Copy)]
+pub struct Source {
     pub rgb: Vec3,
-    pub spectrum: M::Spectrum,
+    /// Index into the scene's spectra.
+    pub spectrum: u32,
 }
 
-impl<M: Mode> Source<M> {
-    #[inline]
-    pub fn emitted(&self, waves: &M::Waves) -> M::Light {
-        M::emitted(&self.spectrum, self.rgb, waves)
-    }
-
+impl Source {
     /// Mean over the colour channels, for choosing between lights.
     pub fn strength(&self) -> f32 {
         self.rgb.element_sum() / 3.0
     }
+
+    fn scaled(self, factor: f32) -> Self {
+        Self { rgb: self.rgb * factor, ..self }
+    }
 }
 
 /// A direction drawn towards a light.
-pub struct LightSample<L> {
+pub struct LightSample {
     pub wi: Vec3,
     pub distance_m: f32,
-    pub light: LightAt<L>,
+    pub light: LightAt,
     /// Density of the direction in 1/sr (1 for points and parallel light), times the chance of choosing this light.
     pub pdf: f32,
     /// True when no scattered ray can find the light: it is a point, parallel, or an invisible surface.
@@ -97,26 +97,26 @@ pub struct LightSample<L> {
 }
 
 /// What arrives along a drawn direction.
-pub enum LightAt<L> {
+pub enum LightAt {
     /// Radiance, or irradiance over the cosine for a light without extent.
-    Radiance(L),
+    Radiance(Source),
     /// Emission of a surface: its material and where on it.
     Surface { place: u32, material: u32, prim: u32, barycentric: [f32; 2], cos: f32 },
 }
 
 /// All lights of a scene, and how they are chosen.
-pub struct Lights<M: Mode> {
-    pub emitters: Vec<Emitter<M>>,
+pub struct Lights {
+    pub emitters: Vec<Emitter>,
     /// By power.
     choice: Option<Alias>,
     /// Emitters that a ray which leaves the scene can see.
     distant: Vec<u32>,
 }
 
-impl<M: Mode> Lights<M> {
+impl Lights {
     /// `power` gives one weight per emitter.
-    pub fn new(emitters: Vec<Emitter<M>>, power: &[f32]) -> Self {
-        let is_distant = |e: &Emitter<M>| match e {
+    pub fn new(emitters: Vec<Emitter>, power: &[f32]) -> Self {
+        let is_distant = |e: &Emitter| match e {
             Emitter::Sky(_) => true,
             Emitter::Directional { one_minus_cos, .. } => *one_minus_cos > 0.0,
             _ => false,
@@ -126,9 +126,9 @@ impl<M: Mode> Lights<M> {
     }
 
     /// Chooses a light and a direction towards it from `from`; `None` when there is none or it faces away.
-    pub fn sample(&self, from: Vec3, u: [f32; 3], waves: &M::Waves) -> Option<LightSample<M::Light>> {
+    pub fn sample(&self, from: Vec3, u: [f32; 3]) -> Option<LightSample> {
         let (index, probability) = self.choice.as_ref()?.sample(u[0]);
-        let mut sample = self.emitters[index].sample(from, [u[1], u[2]], waves)?;
+        let mut sample = self.emitters[index].sample(from, [u[1], u[2]])?;
         sample.pdf *= probability;
         Some(sample)
     }
@@ -152,14 +152,14 @@ impl<M: Mode> Lights<M> {
     }
 
     /// Calls `add` with radiance and light-sampling density of each distant light that lies in direction `toward`.
-    pub fn escape(&self, toward: Vec3, waves: &M::Waves, mut add: impl FnMut(M::Light, f32)) {
+    pub fn escape(&self, toward: Vec3, mut add: impl FnMut(Source, f32)) {
         let Some(choice) = &self.choice else { return };
         for &index in &self.distant {
             let seen = match &self.emitters[index as usize] {
-                Emitter::Sky(sky) => Some((sky.radiance(toward, waves), sky.pdf(toward))),
+                Emitter::Sky(sky) => Some((sky.radiance(toward), sky.pdf(toward))),
                 Emitter::Directional { toward: axis, one_minus_cos, irradiance } => {
                     let inside = 1.0 - axis.dot(toward) <= *one_minus_cos;
-                    inside.then(|| (disc_radiance(irradiance.emitted(waves), *one_minus_cos), cone_pdf(*one_minus_cos)))
+                    inside.then(|| (disc_radiance(irradiance, *one_minus_cos), cone_pdf(*one_minus_cos)))
                 }
                 _ => None,
             };
@@ -171,31 +171,30 @@ impl<M: Mode> Lights<M> {
 }
 
 /// Radiance of a disc of directions that gives this irradiance: E / (pi sin^2).
-fn disc_radiance<L: Lanes>(irradiance: L, one_minus_cos: f32) -> L {
-    irradiance * (1.0 / (PI * one_minus_cos * (2.0 - one_minus_cos)))
+fn disc_radiance(irradiance: &Source, one_minus_cos: f32) -> Source {
+    irradiance.scaled(1.0 / (PI * one_minus_cos * (2.0 - one_minus_cos)))
 }
 
-impl<M: Mode> Emitter<M> {
-    fn sample(&self, from: Vec3, u: [f32; 2], waves: &M::Waves) -> Option<LightSample<M::Light>> {
+impl Emitter {
+    fn sample(&self, from: Vec3, u: [f32; 2]) -> Option<LightSample> {
         match self {
             Self::Triangle(triangle) => triangle.sample(from, u),
             Self::Sphere(sphere) => sphere.sample(from, u),
             Self::Point { position, intensity, falloff } => {
                 let (wi, distance_m) = toward(from, *position)?;
-                let light = LightAt::Radiance(intensity.emitted(waves) * attenuation(*falloff, distance_m));
+                let light = LightAt::Radiance(intensity.scaled(attenuation(*falloff, distance_m)));
                 Some(LightSample { wi, distance_m, light, pdf: 1.0, alone: true })
             }
             Self::Spot(spot) => {
                 let (wi, distance_m) = toward(from, spot.position)?;
                 let edge = spot.edge_factor(-wi.dot(spot.axis));
                 let strength = edge * attenuation(spot.falloff, distance_m);
-                let light = LightAt::Radiance(spot.intensity.emitted(waves) * strength);
+                let light = LightAt::Radiance(spot.intensity.scaled(strength));
                 (edge > 0.0).then_some(LightSample { wi, distance_m, light, pdf: 1.0, alone: true })
             }
             Self::Directional { toward, one_minus_cos, irradiance } => {
-                let irradiance = irradiance.emitted(waves);
                 if *one_minus_cos == 0.0 {
-                    let light = LightAt::Radiance(irradiance);
+                    let light = LightAt::Radiance(*irradiance);
                     return Some(LightSample { wi: *toward, distance_m: f32::INFINITY, light, pdf: 1.0, alone: true });
                 }
                 let wi = Frame::new(*toward).to_world(square_to_cone(u, *one_minus_cos));
@@ -204,7 +203,7 @@ impl<M: Mode> Emitter<M> {
             }
             Self::Sky(sky) => {
                 let (wi, pdf) = sky.sample(u)?;
-                let light = LightAt::Radiance(sky.radiance(wi, waves));
+                let light = LightAt::Radiance(sky.radiance(wi));
                 Some(LightSample { wi, distance_m: f32::INFINITY, light, pdf, alone: false })
             }
         }
@@ -222,7 +221,7 @@ impl Triangle {
         Self { place, material, prim, corner, edges, normal, area_m2: 0.5 * cross.length(), two_sided, hidden }
     }
 
-    fn sample<L>(&self, from: Vec3, u: [f32; 2]) -> Option<LightSample<L>> {
+    fn sample(&self, from: Vec3, u: [f32; 2]) -> Option<LightSample> {
         let barycentric = square_to_triangle(u);
         let point = self.corner + self.edges[0] * barycentric[0] + self.edges[1] * barycentric[1];
         let (wi, distance_m) = toward(from, point)?;
@@ -236,7 +235,7 @@ impl Triangle {
     }
 }
 
-impl<M: Mode> Spot<M> {
+impl Spot {
     /// Share of the intensity at an angle from the axis.
     fn edge_factor(&self, cos: f32) -> f32 {
         if cos <= self.cos_half_cone {
@@ -273,7 +272,7 @@ fn toward(from: Vec3, to: Vec3) -> Option<(Vec3, f32)> {
 
 impl Sphere {
     /// From outside the visible cap is drawn by solid angle, from inside the whole surface by area.
-    fn sample<L>(&self, from: Vec3, u: [f32; 2]) -> Option<LightSample<L>> {
+    fn sample(&self, from: Vec3, u: [f32; 2]) -> Option<LightSample> {
         let (Self { place, material, center, radius, hidden }, prim) = (*self, 0);
         let surface = |cos| LightAt::Surface { place, material, prim, barycentric: [0.0; 2], cos };
         let (axis, to_center_m) = toward(from, center).unwrap_or((Vec3::Z, 0.0));

@@ -5,14 +5,12 @@ use std::f32::consts::PI;
 use glam::{Affine3A, Vec3};
 
 use super::BuildError;
-use super::build::{Assembly, BuildOptions};
+use super::assembly::Assembly;
 use super::environment::Sky;
 use super::light::{self, Emitter, Sphere, Spot, Triangle};
-use super::material::{Material, source};
 use super::surface::Part;
-use crate::color::{Emission, Sensor};
+use crate::color::Emission;
 use crate::document::{self, AreaShape, Base, Document, Falloff, Item, Light, LightKind, Mesh, SurfaceEmission};
-use crate::mode::Mode;
 
 /// Sides of the polygon that stands for a disc; it has the disc's area.
 const DISK_SIDES: u32 = 96;
@@ -37,8 +35,8 @@ pub fn white(document: &Document, placements: &[(usize, glam::Mat4)]) -> Emissio
 }
 
 /// Gives the emitting parts of a mesh their emitters, one per triangle.
-pub(super) fn add_mesh_emitters<M: Mode>(
-    assembly: &mut Assembly<M>,
+pub(super) fn add_mesh_emitters(
+    assembly: &mut Assembly,
     mesh: &Mesh,
     parts: &mut [Part],
     place: u32,
@@ -47,8 +45,8 @@ pub(super) fn add_mesh_emitters<M: Mode>(
     hidden: bool,
 ) {
     for part in parts {
-        let Some(emission) = &assembly.materials[part.material as usize].emission else { continue };
-        let (strength, two_sided) = (emission.strength(), emission.two_sided);
+        let Some(glow) = assembly.glows[part.material as usize].as_ref() else { continue };
+        let (strength, two_sided) = (glow.strength(), glow.two_sided);
         part.emitter = assembly.emitters.len() as u32;
         for prim in part.first..part.end {
             let corners = mesh.triangles[prim as usize].map(|i| to_world.transform_point3(mesh.positions[i as usize]));
@@ -61,76 +59,67 @@ pub(super) fn add_mesh_emitters<M: Mode>(
 }
 
 /// The emitter number of a sphere, `u32::MAX` when its material does not shine.
-pub(super) fn add_sphere_emitter<M: Mode>(
-    assembly: &mut Assembly<M>,
+pub(super) fn add_sphere_emitter(
+    assembly: &mut Assembly,
     place: u32,
     material: u32,
     center: Vec3,
     radius: f32,
     hidden: bool,
 ) -> u32 {
-    let Some(emission) = &assembly.materials[material as usize].emission else { return u32::MAX };
-    let strength = emission.strength();
+    let Some(glow) = assembly.glows[material as usize].as_ref() else { return u32::MAX };
+    let strength = glow.strength();
     let emitter = assembly.emitters.len() as u32;
     assembly.power.push(4.0 * PI * PI * radius * radius * strength);
     assembly.emitters.push(Emitter::Sphere(Sphere { place, material, center, radius, hidden }));
     emitter
 }
 
-pub(super) fn place_light<M: Mode>(
-    assembly: &mut Assembly<M>,
-    placed: &PlacedLight,
-    sensor: &Sensor,
-    options: &BuildOptions,
-) -> Result<(), BuildError> {
+pub(super) fn place_light(assembly: &mut Assembly, placed: &PlacedLight) -> Result<(), BuildError> {
     let PlacedLight { light, to_world } = placed;
     let position = Vec3::from(to_world.translation);
-    let intensity = || source::<M>(light.color, &light.spectrum, sensor);
+    let intensity = assembly.source(light.color, &light.spectrum);
     let strength = light.color.element_sum() / 3.0;
     let mut add = |emitter, power| {
         assembly.emitters.push(emitter);
         assembly.power.push(power);
     };
     match light.kind {
-        LightKind::Area { shape, visible } => {
-            place_area(assembly, placed, shape, visible, light.color, sensor, options)?
-        }
+        LightKind::Area { shape, visible } => place_area(assembly, placed, shape, visible, light.color)?,
         LightKind::Point { radius_m, falloff: Falloff::Physical } if radius_m > 0.0 => {
             // A sphere of radiance L has intensity L pi r^2.
             let radiance = light.color / (PI * radius_m * radius_m);
             let unit = Affine3A::from_translation(position) * Affine3A::from_scale(Vec3::splat(2.0 * radius_m));
             let placed = PlacedLight { light, to_world: unit };
-            place_area(assembly, &placed, AreaShape::Sphere, true, radiance, sensor, options)?;
+            place_area(assembly, &placed, AreaShape::Sphere, true, radiance)?;
         }
         LightKind::Point { falloff, .. } => {
-            add(Emitter::Point { position, intensity: intensity(), falloff }, 4.0 * PI * strength);
+            add(Emitter::Point { position, intensity, falloff }, 4.0 * PI * strength);
         }
         LightKind::Spot { cone_deg, edge, falloff, .. } => {
             let cos_half_cone = (0.5 * cone_deg.to_radians()).cos();
             let axis = light::shining_direction(to_world);
-            let spot = Spot { position, axis, cos_half_cone, edge, intensity: intensity(), falloff };
+            let spot = Spot { position, axis, cos_half_cone, edge, intensity, falloff };
             add(Emitter::Spot(spot), 2.0 * PI * (1.0 - cos_half_cone) * strength);
         }
         LightKind::Directional { angle_deg } => {
             let half_angle = 0.5 * angle_deg.to_radians();
             let one_minus_cos = 2.0 * (0.5 * half_angle).sin().powi(2);
             let toward = -light::shining_direction(to_world);
-            add(Emitter::Directional { toward, one_minus_cos, irradiance: intensity() }, f32::NAN);
+            add(Emitter::Directional { toward, one_minus_cos, irradiance: intensity }, f32::NAN);
         }
-        LightKind::Ambient => add(Emitter::Sky(Sky::Hemisphere(intensity())), f32::NAN),
+        LightKind::Ambient => add(Emitter::Sky(Sky::Hemisphere(intensity)), f32::NAN),
     }
     Ok(())
 }
 
 /// A rectangle, disc or sphere that radiates, with a black material of its own.
-fn place_area<M: Mode>(
-    assembly: &mut Assembly<M>,
+fn place_area(
+    assembly: &mut Assembly,
     placed: &PlacedLight,
     shape: AreaShape,
     visible: bool,
     radiance: Vec3,
-    sensor: &Sensor,
-    options: &BuildOptions,
 ) -> Result<(), BuildError> {
     let emission = SurfaceEmission {
         radiance: document::Texture::constant(radiance),
@@ -144,8 +133,7 @@ fn place_area<M: Mode>(
         opacity: document::Scalar::constant(1.0),
         ..document::Material::default()
     };
-    let material = assembly.materials.len() as u32;
-    assembly.materials.push(Material::new(&description, sensor, options)?);
+    let material = assembly.add_material(description);
     let to_world = placed.to_world;
     if shape == AreaShape::Sphere {
         let radius = 0.5 * to_world.matrix3.x_axis.length();
@@ -186,7 +174,7 @@ fn disk() -> Mesh {
 }
 
 /// Weighs parallel light and skies by what they send onto the scene's bounding sphere.
-pub(super) fn weigh_distant<M: Mode>(emitters: &[Emitter<M>], power: &mut [f32], bounds: (Vec3, Vec3)) {
+pub(super) fn weigh_distant(emitters: &[Emitter], power: &mut [f32], bounds: (Vec3, Vec3)) {
     let radius2 = 0.25 * (bounds.1 - bounds.0).length_squared();
     for (emitter, power) in emitters.iter().zip(power) {
         match emitter {

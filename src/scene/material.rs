@@ -1,20 +1,18 @@
 //! Materials compiled for one colour mode, and the BSDF that each gives at a surface point.
 
+use std::sync::Arc;
+
 use glam::Vec3;
 
-use super::light::Source;
 use super::surface::Surface;
 use super::texture::{Texture, lookup_rgb, lookup_scalar};
-use super::{BuildError, BuildOptions};
-use crate::bsdf::{Bsdf, Coat, CoatedDiffuse, Conductor, Dielectric, Diffuse, Microfacets};
+use super::{BuildError, FilmOptions};
+use crate::bsdf::{Bsdf, Coat, CoatedDiffuse, Conductor, Dielectric, Diffuse, Microfacets, is_straight};
 use crate::color::{Index, IndexCurve, Sensor};
 use crate::document::{self, Base, Distribution, NormalMap, Scalar, Thickness, Tint};
 use crate::film::{Layer, Range, Side, Stack, Verdict};
 use crate::math::Frame;
-use crate::mode::{FilmPlan, Lanes, Mode};
-
-/// Wavelength at which bodies refract in RGB mode: the helium d line, where glass makers quote indices.
-const REFRACTION_NM: f64 = 587.56;
+use crate::mode::{FilmPlan, Mode};
 
 pub struct Material<M: Mode> {
     body: Body<M>,
@@ -23,16 +21,9 @@ pub struct Material<M: Mode> {
     tint: Tint,
     normal_map: Option<NormalMap>,
     opacity: Scalar,
-    pub emission: Option<SurfaceEmission<M>>,
+    lets_through: bool,
     /// What was chosen for the interface, for people to read; `None` where there is no interface.
     pub verdict: Option<Verdict>,
-}
-
-/// Emission of a surface.
-pub struct SurfaceEmission<M: Mode> {
-    pub radiance: document::Texture,
-    spectrum: M::Spectrum,
-    pub two_sided: bool,
 }
 
 enum Body<M: Mode> {
@@ -54,19 +45,19 @@ enum Body<M: Mode> {
         film: M::Film,
         distribution: Distribution,
         roughness: Scalar,
-        eta: f32,
+        eta: M::Eta,
         absorption_per_m: Vec3,
     },
     /// Transmits everything, bent but unreflected (CGL `<refraction>`).
     Refractor {
         film: M::Film,
-        eta: f32,
+        eta: M::Eta,
         absorption_per_m: Vec3,
     },
 }
 
 impl<M: Mode> Material<M> {
-    pub fn new(source: &document::Material, sensor: &Sensor, options: &BuildOptions) -> Result<Self, BuildError> {
+    pub fn new(source: &document::Material, sensor: &Sensor, options: &FilmOptions) -> Result<Self, BuildError> {
         let range = source.films.iter().map(|f| &f.thickness).find(|t| t.varies()).map(Thickness::range);
         let plan = FilmPlan {
             range: range.unwrap_or(Range { min_nm: 0.0, max_nm: 0.0 }),
@@ -78,9 +69,10 @@ impl<M: Mode> Material<M> {
         let mut compile = |base: &Index| -> Result<M::Film, BuildError> {
             let stack = stack_of(source, base)?;
             let (film, chosen) = M::film(&stack, &plan);
-            verdict = Some(chosen);
+            verdict = chosen;
             Ok(film)
         };
+        let mut straight = false;
         let body = match &source.base {
             Base::Black => Body::Black,
             Base::Diffuse { reflectance, .. } if source.films.is_empty() => {
@@ -97,7 +89,9 @@ impl<M: Mode> Material<M> {
                 roughness: microfacets.roughness.clone(),
             },
             Base::Dielectric { index, microfacets, absorption_per_m, fresnel } => {
-                let eta = curve_of(source, index)?.at(REFRACTION_NM).re as f32;
+                let curve = curve_of(source, index)?;
+                straight = curve.as_constant().is_some_and(|constant| is_straight(constant.re as f32));
+                let eta = M::eta(&curve);
                 let absorption_per_m = *absorption_per_m;
                 if *fresnel || !source.films.is_empty() {
                     Body::Dielectric {
@@ -115,24 +109,19 @@ impl<M: Mode> Material<M> {
             }
         };
         let varying = source.films.iter().map(|f| &f.thickness).find(|t| t.varies()).cloned();
-        let emission = source.emission.as_ref().map(|emission| SurfaceEmission {
-            radiance: emission.radiance.clone(),
-            spectrum: M::spectrum(&emission.spectrum, sensor),
-            two_sided: emission.two_sided,
-        });
         Ok(Self {
             body,
+            lets_through: straight || source.opacity.map.is_some() || source.opacity.value < 1.0,
             thickness: varying.unwrap_or(Thickness::Constant { nm: 0.0 }),
             tint: source.tint,
             normal_map: source.normal_map.clone(),
             opacity: source.opacity.clone(),
-            emission,
             verdict,
         })
     }
 
     /// Scattering at a surface point.
-    pub fn bsdf<'s>(&'s self, surface: &Surface, textures: &[Texture], waves: &M::Waves) -> Bsdf<'s, M> {
+    pub fn bsdf<'s>(&'s self, surface: &Surface, textures: &[Arc<Texture>], waves: &M::Waves) -> Bsdf<'s, M> {
         let rgb = |texture: &document::Texture| match &texture.map {
             Some(map) => texture.value * lookup_rgb(textures, map, surface.uv),
             None => texture.value,
@@ -164,31 +153,18 @@ impl<M: Mode> Material<M> {
             Body::Dielectric { film, distribution, roughness, eta, .. } => Bsdf::Dielectric(Dielectric {
                 coat: coat(film),
                 microfacets: microfacets(distribution, roughness),
-                eta: *eta,
+                refraction: M::refraction(eta, waves),
             }),
             Body::Refractor { film, eta, .. } => Bsdf::Dielectric(Dielectric {
                 coat: coat(film),
                 microfacets: Microfacets { distribution: Distribution::Ggx, alpha: 0.0 },
-                eta: *eta,
+                refraction: M::refraction(eta, waves),
             }),
         }
     }
 
-    /// Radiance that the surface sends out on the side of `cos` (the cosine to the outward normal).
-    pub fn emitted(&self, surface: &Surface, cos: f32, textures: &[Texture], waves: &M::Waves) -> M::Light {
-        match &self.emission {
-            Some(emission) => match &emission.radiance.map {
-                Some(map) => {
-                    emission.uniform(cos, waves) * M::reflectance(lookup_rgb(textures, map, surface.uv), waves)
-                }
-                None => emission.uniform(cos, waves),
-            },
-            None => M::Light::ZERO,
-        }
-    }
-
     /// Share of the surface that is there, 0..1.
-    pub fn coverage(&self, surface: &Surface, textures: &[Texture]) -> f32 {
+    pub fn coverage(&self, surface: &Surface, textures: &[Arc<Texture>]) -> f32 {
         scalar(&self.opacity, surface, textures).clamp(0.0, 1.0)
     }
 
@@ -202,13 +178,11 @@ impl<M: Mode> Material<M> {
 
     /// True when a ray may go straight through somewhere.
     pub fn lets_through(&self) -> bool {
-        let straight =
-            matches!(self.body, Body::Dielectric { eta, .. } | Body::Refractor { eta, .. } if (eta - 1.0).abs() < 1e-3);
-        straight || self.opacity.map.is_some() || self.opacity.value < 1.0
+        self.lets_through
     }
 
     /// The shading frame, bent by the normal map where there is one.
-    pub fn frame(&self, surface: &Surface, textures: &[Texture]) -> Frame {
+    pub fn frame(&self, surface: &Surface, textures: &[Arc<Texture>]) -> Frame {
         let Some(normal_map) = &self.normal_map else { return surface.frame };
         let normal = surface.frame.normal;
         let Some(tangent) = (surface.dpdu - normal * normal.dot(surface.dpdu)).try_normalize() else {
@@ -222,23 +196,7 @@ impl<M: Mode> Material<M> {
     }
 }
 
-impl<M: Mode> SurfaceEmission<M> {
-    /// Radiance on the side of `cos` where no image varies it.
-    pub fn uniform(&self, cos: f32, waves: &M::Waves) -> M::Light {
-        if cos > 0.0 || self.two_sided {
-            M::emitted(&self.spectrum, self.radiance.value, waves)
-        } else {
-            M::Light::ZERO
-        }
-    }
-
-    /// Rough mean radiance, for choosing between lights.
-    pub fn strength(&self) -> f32 {
-        self.radiance.value.element_sum() / 3.0
-    }
-}
-
-fn scalar(value: &Scalar, surface: &Surface, textures: &[Texture]) -> f32 {
+fn scalar(value: &Scalar, surface: &Surface, textures: &[Arc<Texture>]) -> f32 {
     match &value.map {
         Some(map) => lookup_scalar(textures, map, surface.uv),
         None => value.value,
@@ -267,9 +225,4 @@ fn stack_of(material: &document::Material, base: &Index) -> Result<Stack, BuildE
         layers,
         base: curve_of(material, base)?,
     })
-}
-
-/// A light source's colour, as scene lights use it.
-pub fn source<M: Mode>(rgb: Vec3, emission: &crate::color::Emission, sensor: &Sensor) -> Source<M> {
-    Source { rgb, spectrum: M::spectrum(emission, sensor) }
 }

@@ -1,47 +1,57 @@
-//! The scene as the path loop sees it: built once from a [`Document`](crate::document::Document) for one colour mode.
+//! The scene as the path loop sees it.
+//!
+//! A [`Stage`] is built once from a [`Document`](crate::document::Document): shapes, images, lights. A [`Scene`] adds the
+//! materials, compiled for one colour mode.
 
-mod build;
+mod assembly;
 mod camera;
 mod environment;
 mod light;
 mod lighting;
 mod material;
+mod stage;
 mod surface;
 mod texture;
 mod thickness;
 
-pub use build::{BuildOptions, BuildTimes, build};
+use std::sync::Arc;
+use std::time::Instant;
+
 pub use camera::{Camera, Framing, Placed, cameras};
 use glam::Vec3;
+use light::Source;
 pub use light::{LightAt, LightSample, Lights};
 pub use material::Material;
+pub use stage::Stage;
 pub use surface::{Place, Surface};
-use texture::Texture;
+use texture::{Texture, lookup_rgb};
 use thiserror::Error;
 
-use crate::color::{IndexError, Sensor};
-use crate::embree::{Accel, EmbreeError, Ray};
-use crate::film::Verdict;
+use crate::color::IndexError;
+use crate::embree::{EmbreeError, Ray};
+use crate::film::{Rung, Verdict};
 use crate::mode::{Lanes, Mode};
 
 /// Surfaces that one shadow ray may pass through.
 const MAX_THROUGH: u32 = 64;
 
+/// How films are compiled.
+#[derive(Clone, Copy, Debug)]
+pub struct FilmOptions {
+    /// Largest CIEDE2000 that a cheaper film model may cost.
+    pub tolerance: f32,
+    /// Force one film model.
+    pub rung: Option<Rung>,
+}
+
 pub struct Scene<M: Mode> {
-    accel: Accel,
-    places: Vec<Place>,
+    pub stage: Arc<Stage>,
     materials: Vec<Material<M>>,
-    textures: Vec<Texture>,
-    pub lights: Lights<M>,
-    pub sensor: Sensor,
-    /// Corners of a box around everything, world space; a unit box when the scene is empty.
-    pub bounds: (Vec3, Vec3),
+    spectra: Vec<M::Spectrum>,
     /// True when shadow rays must look at what they meet instead of only whether they meet anything.
     lets_through: bool,
-    /// Seconds that each part of building took.
-    pub times: BuildTimes,
-    /// What was chosen for each coated or bare interface: (material id, verdict).
-    pub verdicts: Vec<(String, Verdict)>,
+    /// Seconds that compiling the materials took.
+    pub materials_s: f64,
 }
 
 /// Why a scene cannot be built.
@@ -56,11 +66,31 @@ pub enum BuildError {
 }
 
 impl<M: Mode> Scene<M> {
+    /// Compiles the materials of a stage.
+    ///
+    /// # Errors
+    /// An unknown refractive index.
+    pub fn new(stage: Arc<Stage>, options: &FilmOptions) -> Result<Self, BuildError> {
+        let start = Instant::now();
+        let compile = |material| Material::<M>::new(material, &stage.sensor, options);
+        let materials = stage.materials.iter().map(compile).collect::<Result<Vec<_>, _>>()?;
+        let spectra = stage.spectra.iter().map(|emission| M::spectrum(emission, &stage.sensor)).collect();
+        let lets_through = materials.iter().any(Material::lets_through);
+        let materials_s = start.elapsed().as_secs_f64();
+        Ok(Self { stage, materials, spectra, lets_through, materials_s })
+    }
+
+    /// What was chosen for each interface: (material id, verdict).
+    pub fn verdicts(&self) -> impl Iterator<Item = (&str, &Verdict)> {
+        let named = self.stage.materials.iter().zip(&self.materials);
+        named.filter_map(|(source, compiled)| Some((source.id.as_str(), compiled.verdict.as_ref()?)))
+    }
+
     /// The first surface along a ray.
     #[inline]
     pub fn intersect(&self, ray: &Ray) -> Option<Surface<'_>> {
-        let hit = self.accel.intersect(ray)?;
-        Some(Surface::new(&self.accel, &self.places[hit.place() as usize], &hit))
+        let hit = self.stage.accel.intersect(ray)?;
+        Some(Surface::new(&self.stage.accel, &self.stage.places[hit.place() as usize], &hit))
     }
 
     #[inline]
@@ -69,26 +99,50 @@ impl<M: Mode> Scene<M> {
     }
 
     #[inline]
-    pub fn textures(&self) -> &[Texture] {
-        &self.textures
+    pub fn textures(&self) -> &[Arc<Texture>] {
+        &self.stage.textures
+    }
+
+    /// Radiance that a shining surface sends out on the side of `cos`, the cosine to its outward normal.
+    pub fn emitted(&self, surface: &Surface, cos: f32, waves: &M::Waves) -> M::Light {
+        match &self.stage.glows[surface.material as usize] {
+            Some(glow) if cos > 0.0 || glow.two_sided => {
+                let tint = match &glow.radiance.map {
+                    Some(map) => lookup_rgb(&self.stage.textures, map, surface.uv),
+                    None => Vec3::ONE,
+                };
+                self.light(&Source { rgb: glow.radiance.value * tint, spectrum: glow.spectrum }, waves)
+            }
+            _ => M::Light::ZERO,
+        }
+    }
+
+    #[inline]
+    fn light(&self, source: &Source, waves: &M::Waves) -> M::Light {
+        M::emitted(&self.spectra[source.spectrum as usize], source.rgb, waves)
     }
 
     /// What a drawn light sends towards the point that it was drawn for.
-    pub fn arriving(&self, light: &LightAt<M::Light>, waves: &M::Waves) -> M::Light {
+    #[inline]
+    pub fn arriving(&self, light: &LightAt, waves: &M::Waves) -> M::Light {
         match *light {
-            LightAt::Radiance(radiance) => radiance,
+            LightAt::Radiance(ref source) => self.light(source, waves),
             LightAt::Surface { place, material, prim, barycentric, cos } => {
-                let material = &self.materials[material as usize];
-                match &material.emission {
-                    Some(emission) if emission.radiance.map.is_some() => {
-                        let surface = Surface::at(&self.accel, &self.places[place as usize], prim, barycentric);
-                        material.emitted(&surface, cos, &self.textures, waves)
+                match &self.stage.glows[material as usize] {
+                    Some(glow) if glow.radiance.map.is_some() => {
+                        let place = &self.stage.places[place as usize];
+                        self.emitted(&Surface::at(&self.stage.accel, place, prim, barycentric), cos, waves)
                     }
-                    Some(emission) => emission.uniform(cos, waves),
+                    Some(glow) => self.light(&Source { rgb: glow.radiance.value, spectrum: glow.spectrum }, waves),
                     None => M::Light::ZERO,
                 }
             }
         }
+    }
+
+    /// Calls `add` with radiance and light-sampling density of each distant light that lies in direction `toward`.
+    pub fn escape(&self, toward: Vec3, waves: &M::Waves, mut add: impl FnMut(M::Light, f32)) {
+        self.stage.lights.escape(toward, |source, pdf| add(self.light(&source, waves), pdf));
     }
 
     /// Share of light that gets from the end of the shadow ray to its origin, and the probability that a scattered ray
@@ -96,7 +150,8 @@ impl<M: Mode> Scene<M> {
     pub fn transmittance(&self, ray: &Ray, waves: &M::Waves, rays: &mut u64) -> (M::Light, f32) {
         *rays += 1;
         if !self.lets_through {
-            return if self.accel.occluded(ray) { (M::Light::ZERO, 0.0) } else { (M::Light::ONE, 1.0) };
+            let blocked = self.stage.accel.occluded(ray);
+            return if blocked { (M::Light::ZERO, 0.0) } else { (M::Light::ONE, 1.0) };
         }
         let (mut light, mut probability) = (M::Light::ONE, 1.0);
         let mut ray = *ray;
@@ -106,13 +161,8 @@ impl<M: Mode> Scene<M> {
             light *= share;
             probability *= chance;
             // The end point stays where it is while the origin moves on.
-            let end = ray.at(ray.tfar);
             let origin = surface.leave(ray.dir);
-            let left = if ray.tfar.is_finite() {
-                (end - origin).dot(ray.dir) / ray.dir.length_squared()
-            } else {
-                f32::INFINITY
-            };
+            let left = if ray.tfar.is_finite() { (ray.at(ray.tfar) - origin).dot(ray.dir) } else { f32::INFINITY };
             if left <= 0.0 {
                 return (light, probability);
             }
@@ -123,12 +173,15 @@ impl<M: Mode> Scene<M> {
     }
 
     /// Light that passes a surface unbent, and the chance that the path loop lets it: `None` where it never does.
-    pub fn through(&self, surface: &Surface, wo: Vec3, waves: &M::Waves) -> Option<(M::Light, f32)> {
+    fn through(&self, surface: &Surface, wo: Vec3, waves: &M::Waves) -> Option<(M::Light, f32)> {
         let material = self.material(surface);
-        let coverage = material.coverage(surface, &self.textures);
-        let frame = material.frame(surface, &self.textures);
-        let bsdf = material.bsdf(surface, &self.textures, waves);
-        let straight = bsdf.through(frame.to_local(wo), waves);
+        if !material.lets_through() {
+            return None;
+        }
+        let textures = self.textures();
+        let coverage = material.coverage(surface, textures);
+        let straight =
+            material.bsdf(surface, textures, waves).through(material.frame(surface, textures).to_local(wo), waves);
         let hole = 1.0 - coverage;
         match straight {
             None if hole > 0.0 => Some((M::Light::splat(hole), hole)),

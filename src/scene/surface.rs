@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Mat3, Vec2, Vec3};
 
+use crate::document;
 use crate::embree::{Accel, Hit, Shape};
 use crate::math::Frame;
 
@@ -32,6 +33,22 @@ pub enum Body {
     Mesh(Arc<Shading>),
     /// Centre in the coordinates that Embree holds.
     Sphere { center: Vec3, radius: f32 },
+}
+
+/// What a material emits.
+pub struct Glow {
+    /// W/(sr m2) per channel.
+    pub radiance: document::Texture,
+    /// Index into the scene's spectra.
+    pub spectrum: u32,
+    pub two_sided: bool,
+}
+
+impl Glow {
+    /// Rough mean radiance, for choosing between lights.
+    pub fn strength(&self) -> f32 {
+        self.radiance.value.element_sum() / 3.0
+    }
 }
 
 /// A run of triangles with one material; ends before triangle `end`.

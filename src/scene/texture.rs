@@ -1,6 +1,6 @@
 //! Images on surfaces: decoding and bilinear lookup.
 
-use std::sync::LazyLock;
+use std::sync::{Arc, LazyLock};
 
 use glam::{Vec2, Vec3, Vec4};
 use image::DynamicImage;
@@ -160,12 +160,12 @@ fn wrapped(position: f32, count: usize, wrap: Wrap) -> Option<usize> {
 }
 
 /// RGB at a surface point.
-pub fn lookup_rgb(textures: &[Texture], map: &Map, uv: Vec2) -> Vec3 {
+pub fn lookup_rgb(textures: &[Arc<Texture>], map: &Map, uv: Vec2) -> Vec3 {
     textures[map.image].lookup(uv, map.wrap, map.encoding).truncate()
 }
 
 /// One channel at a surface point.
-pub fn lookup_scalar(textures: &[Texture], map: &Map, uv: Vec2) -> f32 {
+pub fn lookup_scalar(textures: &[Arc<Texture>], map: &Map, uv: Vec2) -> f32 {
     let texel = textures[map.image].lookup(uv, map.wrap, map.encoding);
     match map.channel {
         Channel4::R => texel.x,

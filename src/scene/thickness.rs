@@ -1,5 +1,7 @@
 //! Film thickness over a surface.
 
+use std::sync::Arc;
+
 use super::surface::Surface;
 use super::texture::{Texture, lookup_scalar};
 use crate::document::Thickness;
@@ -8,7 +10,7 @@ use crate::math::perlin;
 
 impl Thickness {
     /// Thickness at a surface point, nm; never negative and never NaN.
-    pub(super) fn at(&self, surface: &Surface, textures: &[Texture]) -> f32 {
+    pub(super) fn at(&self, surface: &Surface, textures: &[Arc<Texture>]) -> f32 {
         let nm = match self {
             Self::Constant { nm } => *nm,
             Self::Noise { nm, amplitude, frequency, octaves, seed } => {

@@ -1,123 +1,62 @@
-//! From a [`Document`] to a [`Scene`].
+//! Shapes and lights of a document, being placed in the world.
 
 use std::sync::Arc;
-use std::time::Instant;
 
 use glam::{Affine3A, Mat3, Mat4, Vec3};
 
-use super::environment::{Sky, SkyImage};
-use super::light::{Emitter, Lights};
+use super::BuildError;
+use super::light::{Emitter, Source};
 use super::lighting::{self, PlacedLight};
-use super::material::{Material, source};
-use super::surface::{Body, Part, Place, Shading};
-use super::texture::Texture;
-use super::{BuildError, Scene};
-use crate::color::Sensor;
-use crate::document;
-use crate::document::{Base, Document, Geometry, Item, Map, Mesh, Scalar, Shape};
+use super::surface::{Body, Glow, Part, Place, Shading};
+use crate::color::Emission;
+use crate::document::{self, Base, Document, Geometry, Item, Map, Mesh, Shape};
 use crate::embree::{self, AccelBuilder};
-use crate::film::Rung;
-use crate::mode::Mode;
 
 /// Meshes that are placed several times become instances above this many triangles in total; below, copies trace faster
 /// than instances do and cost next to nothing.
 const COPY_TRIANGLES: usize = 20_000;
 
-#[derive(Clone, Debug)]
-pub struct BuildOptions {
-    /// Largest CIEDE2000 that a cheaper film model may cost.
-    pub tolerance: f32,
-    /// Force one film model.
-    pub rung: Option<Rung>,
-    /// Threads for building; 0 = all.
-    pub threads: usize,
-}
-
-/// Seconds that the parts of building took.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct BuildTimes {
-    pub textures_s: f64,
-    pub materials_s: f64,
-    pub bvh_s: f64,
-}
-
-/// Builds everything that rendering needs.
-///
-/// # Errors
-/// An image that cannot be decoded, an unknown refractive index, or Embree running out of memory.
-pub fn build<M: Mode>(document: &Document, options: &BuildOptions) -> Result<Scene<M>, BuildError> {
-    let start = Instant::now();
-    let textures = document.images.iter().map(Texture::load).collect::<Result<Vec<_>, _>>()?;
-    let textures_s = start.elapsed().as_secs_f64();
-
-    let start = Instant::now();
-    let placements = document.placements();
-    let sensor = Sensor::new(&lighting::white(document, &placements));
-    let mut materials = Vec::with_capacity(document.materials.len() + 1);
-    let mut verdicts = Vec::new();
-    let fallback = document::Material { opacity: Scalar::constant(1.0), ..document::Material::default() };
-    for material in document.materials.iter().chain([&fallback]) {
-        let compiled = Material::<M>::new(material, &sensor, options)?;
-        verdicts.extend(compiled.verdict.clone().map(|verdict| (material.id.clone(), verdict)));
-        materials.push(compiled);
-    }
-    let materials_s = start.elapsed().as_secs_f64();
-
-    let start = Instant::now();
-    let mut assembly = Assembly {
-        builder: AccelBuilder::new(options.threads)?,
-        places: Vec::new(),
-        materials,
-        emitters: Vec::new(),
-        power: Vec::new(),
-    };
-    assembly.place_geometry(document, &placements)?;
-    assembly.place_lights(document, &placements, &sensor, options)?;
-    let Assembly { builder, places, materials, mut emitters, mut power } = assembly;
-    let accel = builder.build()?;
-    let bounds = accel.bounds().unwrap_or((Vec3::splat(-0.5), Vec3::splat(0.5)));
-    let bvh_s = start.elapsed().as_secs_f64();
-
-    if let Some(environment) = &document.environment {
-        let tint = source::<M>(environment.radiance * environment.strength, &environment.spectrum, &sensor);
-        let sky = match environment.image {
-            Some(image) => {
-                let texture = Texture::load(&document.images[image])?;
-                Sky::Image(Box::new(SkyImage::new(texture, tint, environment.rotation_deg)))
-            }
-            None => Sky::Constant(tint),
-        };
-        power.push(f32::NAN);
-        emitters.push(Emitter::Sky(sky));
-    }
-    lighting::weigh_distant(&emitters, &mut power, bounds);
-
-    Ok(Scene {
-        lets_through: materials.iter().any(Material::lets_through),
-        lights: Lights::new(emitters, &power),
-        accel,
-        places,
-        materials,
-        textures,
-        sensor,
-        bounds,
-        times: BuildTimes { textures_s, materials_s, bvh_s },
-        verdicts,
-    })
-}
-
 /// What is being put together.
-pub(super) struct Assembly<M: Mode> {
+pub(super) struct Assembly {
     pub builder: AccelBuilder,
     pub places: Vec<Place>,
-    pub materials: Vec<Material<M>>,
-    pub emitters: Vec<Emitter<M>>,
+    /// The document's materials, a grey one for what has none, and a black one per area light.
+    pub materials: Vec<document::Material>,
+    /// What each material emits.
+    pub glows: Vec<Option<Glow>>,
+    pub emitters: Vec<Emitter>,
+    /// The distinct spectra of all lights.
+    pub spectra: Vec<Emission>,
     /// One weight per emitter; NaN marks distant ones, which are weighed when the scene's size is known.
     pub power: Vec<f32>,
 }
 
-impl<M: Mode> Assembly<M> {
-    fn place_geometry(&mut self, document: &Document, placements: &[(usize, Mat4)]) -> Result<(), BuildError> {
+impl Assembly {
+    /// Registers a material and what it emits.
+    pub fn add_material(&mut self, material: document::Material) -> u32 {
+        let glow = material.emission.as_ref().map(|emission| Glow {
+            radiance: emission.radiance.clone(),
+            spectrum: self.spectrum(&emission.spectrum),
+            two_sided: emission.two_sided,
+        });
+        self.glows.push(glow);
+        self.materials.push(material);
+        self.materials.len() as u32 - 1
+    }
+
+    pub fn source(&mut self, rgb: Vec3, emission: &Emission) -> Source {
+        Source { rgb, spectrum: self.spectrum(emission) }
+    }
+
+    fn spectrum(&mut self, emission: &Emission) -> u32 {
+        let known = self.spectra.iter().position(|s| s == emission);
+        known.unwrap_or_else(|| {
+            self.spectra.push(emission.clone());
+            self.spectra.len() - 1
+        }) as u32
+    }
+
+    pub fn place_geometry(&mut self, document: &Document, placements: &[(usize, Mat4)]) -> Result<(), BuildError> {
         let mut uses = vec![0usize; document.geometries.len()];
         let items = || placements.iter().flat_map(|(node, m)| document.nodes[*node].items.iter().map(move |i| (i, m)));
         for (item, _) in items() {
@@ -219,19 +158,13 @@ impl<M: Mode> Assembly<M> {
         Ok(())
     }
 
-    fn place_lights(
-        &mut self,
-        document: &Document,
-        placements: &[(usize, Mat4)],
-        sensor: &Sensor,
-        options: &BuildOptions,
-    ) -> Result<(), BuildError> {
+    pub fn place_lights(&mut self, document: &Document, placements: &[(usize, Mat4)]) -> Result<(), BuildError> {
         for (node, to_world) in placements {
             for item in &document.nodes[*node].items {
                 if let Item::Light(index) = item {
                     let light = &document.lights[*index];
                     let placed = PlacedLight { light, to_world: Affine3A::from_mat4(*to_world) };
-                    lighting::place_light(self, &placed, sensor, options)?;
+                    lighting::place_light(self, &placed)?;
                 }
             }
         }
