@@ -1,7 +1,5 @@
 //! The program as it is run: exit codes, messages, signals, full disks.
 
-#![allow(clippy::unwrap_used)]
-
 use std::fs;
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};

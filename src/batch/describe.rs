@@ -14,7 +14,7 @@ use crate::scene::{FilmOptions, Scene, Stage, cameras};
 /// One section per kind of thing; films with the verdict that rendering would use.
 ///
 /// # Errors
-/// What [`scene::build`] reports: a scene that can be described can be rendered.
+/// What [`Stage::new`] and [`Scene::new`] report: a scene that can be described can be rendered.
 pub fn describe(document: &Document, tolerance: f32) -> Result<String, Error> {
     let name = document.path.display().to_string();
     let failed = |source| Error::Build { scene: name.clone(), source };

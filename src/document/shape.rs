@@ -43,7 +43,7 @@ pub struct UvSet {
 /// A run of triangles with one material symbol.
 #[derive(Clone, Debug)]
 pub struct Group {
-    /// Matched against [`Binding::symbol`]; empty when the primitive names none.
+    /// Matched against [`Binding::symbol`](super::Binding::symbol); empty when the primitive names none.
     pub symbol: String,
     pub triangles: std::ops::Range<usize>,
 }

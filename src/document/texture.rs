@@ -34,7 +34,7 @@ impl Scalar {
 #[derive(Clone, Debug)]
 pub struct Map {
     pub image: usize,
-    /// `texcoord` name, resolved per instance through [`Binding::uv_sets`]; empty: the first set.
+    /// `texcoord` name, resolved per instance through [`Binding::uv_sets`](super::Binding::uv_sets); empty: the first set.
     pub texcoord: String,
     pub encoding: Encoding,
     pub channel: Channel4,

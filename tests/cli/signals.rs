@@ -13,10 +13,12 @@ impl Rendering {
         let arguments = ["render", "room.dae", "-o", file, "--spp", "1000000", "--size", size, "--progress", "none"];
         let mut child = command(&arguments).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
         let mut stderr = BufReader::new(child.stderr.take().unwrap());
-        // The opening line; rendering begins right after it.
+        // Rendering begins right after the line that tells how many samples there will be.
         let mut line = String::new();
-        stderr.read_line(&mut line).unwrap();
-        assert!(line.contains("1000000 spp"), "{line}");
+        while !line.contains("1000000 spp") {
+            line.clear();
+            assert_ne!(stderr.read_line(&mut line).unwrap(), 0, "it ended early");
+        }
         Self { child, stderr }
     }
 
@@ -34,16 +36,20 @@ impl Rendering {
             if let Some(status) = self.child.try_wait().unwrap() {
                 break status;
             }
-            if start.elapsed() > Duration::from_secs(5) {
-                self.child.kill().unwrap();
-                self.child.wait().unwrap();
-                panic!("still running 5 s after the signal");
-            }
+            assert!(start.elapsed() < Duration::from_secs(5), "still running 5 s after the signal");
             std::thread::sleep(Duration::from_millis(10));
         };
         let mut rest = String::new();
         self.stderr.read_to_string(&mut rest).unwrap();
         (status.code(), rest)
+    }
+}
+
+impl Drop for Rendering {
+    /// Nothing goes on rendering behind a test that failed.
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
     }
 }
 
