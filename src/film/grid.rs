@@ -1,5 +1,6 @@
 //! Tables over a cosine and a thickness, interpolated linearly.
 
+use glam::Vec4;
 use rayon::prelude::*;
 
 use super::lanes::cell;
@@ -8,7 +9,7 @@ use super::lanes::cell;
 /// adjacent nodes of two rows.
 #[derive(Clone, Debug)]
 pub(super) struct Grid<const K: usize> {
-    nodes: Vec<[[f32; 4]; K]>,
+    nodes: Vec<[Vec4; K]>,
     /// Nodes per row, at least 2.
     columns: u32,
     /// Columns - 1.
@@ -146,7 +147,7 @@ impl<const K: usize> Grid<K> {
             (weight(u) + 2.0 * weight(u + 0.5 * towards / span)) / (6.0 * span)
         };
         let weights: Vec<f32> = (0..self.columns()).map(|node| (hat(node, -1.0) + hat(node, 1.0)) as f32).collect();
-        let sum = |row: &[[[f32; 4]; K]]| {
+        let sum = |row: &[[Vec4; K]]| {
             row.iter()
                 .zip(&weights)
                 .fold([0.0; 3], |sum: [f32; 3], (node, w)| std::array::from_fn(|c| sum[c] + w * node[0][c]))
@@ -156,7 +157,7 @@ impl<const K: usize> Grid<K> {
 
     /// The groups at u (0..1) and a place on the thickness axis.
     #[inline(always)]
-    pub(super) fn at(&self, u: f32, place: Place) -> [[f32; 4]; K] {
+    pub(super) fn at(&self, u: f32, place: Place) -> [Vec4; K] {
         let (low, s) = cell(u * self.span, self.span);
         let start = (place.row * self.columns + low) as usize;
         let below = pair(&self.nodes, start, s);
@@ -171,19 +172,19 @@ impl<const K: usize> Grid<K> {
     }
 }
 
-fn pad([a, b, c]: [f32; 3]) -> [f32; 4] {
-    [a, b, c, 0.0]
+fn pad([a, b, c]: [f32; 3]) -> Vec4 {
+    Vec4::new(a, b, c, 0.0)
 }
 
 #[inline(always)]
-fn pair<const K: usize>(nodes: &[[[f32; 4]; K]], start: usize, s: f32) -> [[f32; 4]; K] {
+fn pair<const K: usize>(nodes: &[[Vec4; K]], start: usize, s: f32) -> [Vec4; K] {
     match nodes.get(start..start + 2) {
         Some([a, b]) => mix(*a, *b, s),
-        _ => [[0.0; 4]; K],
+        _ => [Vec4::ZERO; K],
     }
 }
 
 #[inline(always)]
-fn mix<const K: usize>(a: [[f32; 4]; K], b: [[f32; 4]; K], t: f32) -> [[f32; 4]; K] {
-    std::array::from_fn(|k| std::array::from_fn(|i| a[k][i] + t * (b[k][i] - a[k][i])))
+fn mix<const K: usize>(a: [Vec4; K], b: [Vec4; K], t: f32) -> [Vec4; K] {
+    std::array::from_fn(|k| a[k] + t * (b[k] - a[k]))
 }

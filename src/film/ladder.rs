@@ -11,6 +11,7 @@ use crate::color::{Lab, Sensor, delta_e_2000};
 use super::bare::Bare;
 use super::exact::exact;
 use super::gaussian::Gaussian;
+use super::quadrature::{ONE_NM, Spectral, nodes};
 use super::rgb::{Form, RgbFilm};
 use super::stack::{Range, Side, Stack};
 use super::table::Table;
@@ -19,8 +20,8 @@ use super::three_wave::ThreeWave;
 /// The RGB models, in the order in which they are tried.
 ///
 /// The order is that of cost per evaluation on one core, measured once and written down here so that every machine chooses
-/// alike (`cargo test --release --test film film_timings -- --ignored --nocapture`): bare 2-3 ns, table 4-8 ns, three-wave
-/// 10-25 ns, gaussian 20-50 ns. The table is both cheaper and more exact than the analytic rungs, at the price of memory.
+/// alike (`cargo run --release --example film_timings`): bare 5 ns, table 6-13 ns, three-wave
+/// 20-125 ns, gaussian 160-520 ns. The table is both cheaper and more exact than the analytic rungs, at the price of memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Rung {
@@ -180,8 +181,13 @@ impl Truth {
         let points = grid
             .into_par_iter()
             .map(|(mu, nm)| {
-                let reflect = |lambda: f64| exact(stack, Side::Outside, mu, nm, lambda).mean().reflect;
-                (mu, nm, Lab::from_linear_srgb(sensor.rgb_of_reflectance(reflect)))
+                // At least every 1 nm, and finer where fringes are narrower than that.
+                let rule = nodes(sensor, Spectral::count(stack, nm).max(ONE_NM));
+                let rgb = rule.iter().fold([0.0; 3], |sum: [f64; 3], (lambda, weights)| {
+                    let reflect = exact(stack, Side::Outside, mu, nm, *lambda).mean().reflect;
+                    std::array::from_fn(|c| sum[c] + weights[c] * reflect)
+                });
+                (mu, nm, Lab::from_linear_srgb(rgb))
             })
             .collect();
         Self { points }

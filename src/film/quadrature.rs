@@ -10,6 +10,9 @@ use super::stack::{Side, Stack};
 /// Wavelengths per block: four vectors of four.
 const WIDTH: usize = 16;
 
+/// Every 1 nm.
+pub(super) const ONE_NM: usize = 401;
+
 /// Points of the hemisphere rule.
 const GAUSS: usize = 16;
 
@@ -24,12 +27,9 @@ struct Block {
 }
 
 impl Spectral {
-    /// A rule with the given step over 380..780 nm.
-    pub(super) fn new(sensor: &Sensor, step_nm: f64) -> Self {
-        let count = ((MAX_NM - MIN_NM) / step_nm).round() as usize + 1;
-        let nodes: Vec<(f64, [f64; 3])> =
-            (0..count).map(|i| MIN_NM + step_nm * i as f64).map(|nm| (nm, sensor.reflectance_weight(nm))).collect();
-        let sums: [f64; 3] = std::array::from_fn(|c| nodes.iter().map(|node| node.1[c]).sum());
+    /// A rule of `count` wavelengths, 380 and 780 nm included.
+    pub(super) fn new(sensor: &Sensor, count: usize) -> Self {
+        let nodes = nodes(sensor, count);
         let blocks = nodes
             .chunks(WIDTH)
             .map(|chunk| {
@@ -37,25 +37,28 @@ impl Spectral {
                 let node = |i: usize| chunk.get(i).copied().unwrap_or((MAX_NM, [0.0; 3]));
                 Block {
                     nm: std::array::from_fn(|i| node(i).0 as f32),
-                    weights: std::array::from_fn(|c| std::array::from_fn(|i| (node(i).1[c] / sums[c]) as f32)),
+                    weights: std::array::from_fn(|c| std::array::from_fn(|i| node(i).1[c] as f32)),
                 }
             })
             .collect();
         Self { blocks }
     }
 
-    /// The step in nm that integrates a stack's fringes: phase moves by 2 pi OPD step / lambda^2 between samples. Measured:
-    /// below 0.02 CIEDE2000 at each limit. `thickness_nm` is that of the varying layer.
-    pub(super) fn step_nm(stack: &Stack, thickness_nm: f64) -> f64 {
+    /// How many wavelengths integrate a stack's fringes: phase moves by 2 pi OPD step / lambda^2 between samples. Measured
+    /// below 0.1 CIEDE2000 at each limit, and far below that on transparent bases. `thickness_nm` is that of the varying
+    /// layer.
+    pub(super) fn count(stack: &Stack, thickness_nm: f64) -> usize {
         let path_nm: f64 = (0..stack.layers.len())
             .map(|layer| 2.0 * stack.thickness(layer, thickness_nm) * stack.layers[layer].index.range_of_n().1)
             .sum();
+        // Whole blocks, but for the 1 nm of the standard observer itself.
         match path_nm {
-            ..4_000.0 => 5.0,
-            ..10_000.0 => 2.0,
-            ..25_000.0 => 1.0,
-            ..50_000.0 => 0.5,
-            _ => 0.25,
+            ..800.0 => 48,
+            ..3_500.0 => 80,
+            ..8_000.0 => 208,
+            ..20_000.0 => ONE_NM,
+            ..50_000.0 => 2 * ONE_NM - 1,
+            _ => 4 * ONE_NM - 3,
         }
     }
 
@@ -63,6 +66,15 @@ impl Spectral {
     pub(super) fn gather<'a>(&'a self, film: &'a SpectralFilm) -> Integrand<'a> {
         Integrand { rule: self, media: self.blocks.iter().map(|block| film.gather(&block.nm)).collect() }
     }
+}
+
+/// Equally spaced wavelengths in nm, 380 and 780 included, and the weights of the three channels; each channel's sum to 1.
+pub(super) fn nodes(sensor: &Sensor, count: usize) -> Vec<(f64, [f64; 3])> {
+    let step_nm = (MAX_NM - MIN_NM) / (count - 1) as f64;
+    let nm = |i: usize| MIN_NM + step_nm * i as f64;
+    let nodes: Vec<_> = (0..count).map(|i| (nm(i), sensor.reflectance_weight(nm(i)))).collect();
+    let sums: [f64; 3] = std::array::from_fn(|c| nodes.iter().map(|node| node.1[c]).sum());
+    nodes.into_iter().map(|(nm, weights)| (nm, std::array::from_fn(|c| weights[c] / sums[c]))).collect()
 }
 
 /// A stack at the wavelengths of a rule.

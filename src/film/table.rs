@@ -8,10 +8,12 @@
 //!
 //! Values are unclamped: saturated reflectances leave sRGB, so a channel may be negative or above 1.
 
+use glam::Vec4;
+
 use crate::color::{Lab, NOMINAL_NM, Sensor, delta_e_2000};
 
 use super::grid::{Axis, Grid, Place};
-use super::quadrature::{Integrand, Spectral};
+use super::quadrature::{Integrand, ONE_NM, Spectral};
 use super::spectral::SpectralFilm;
 use super::stack::{Range, Side, Split, Stack};
 
@@ -38,16 +40,19 @@ enum Form {
     TwoSided { rare: Grid<2>, dense: Grid<2>, beyond: Grid<1> },
 }
 
-/// Cosine nodes with a varying thickness, and the least and most with a constant one.
-const COLUMNS_2D: usize = 65;
+/// Least and most cosine nodes of a refined row, with a constant and with a varying thickness.
 const COLUMNS_1D: [usize; 2] = [33, 513];
-/// A 1-D table is refined until no midpoint of two nodes is further than this from the truth, CIEDE2000.
-const MIDPOINT_DELTA_E: f64 = 0.1;
+const COLUMNS_2D: [usize; 2] = [65, 513];
+/// A row is refined until no midpoint of two nodes is further than this from the truth, CIEDE2000; constant and varying.
+const MIDPOINT_DELTA_E: [f64; 2] = [0.1, 1.5];
 /// Thickness nodes per fringe at 450 nm where fringes are sinusoidal; and the path differences (nm) from which twice the
 /// spacing does and from which fringes have faded.
 const PER_FRINGE: f64 = 24.0;
 const COARSER_NM: f64 = 5_000.0;
 const FADED_NM: f64 = 13_000.0;
+/// The first nanometres change most at grazing, where a film between equal media turns from nothing into a mirror.
+const THIN_NM: f64 = 24.0;
+const THIN_SPACING_NM: f64 = 1.5;
 /// Spacing in the faded region, where only absorption changes with thickness, as a share of the range.
 const FADED_ROWS: f64 = 32.0;
 
@@ -61,16 +66,15 @@ impl Table {
         let axis = thickness_axis(stack, range);
 
         // Rows of similar thickness share a rule; a single row can afford 1 nm.
-        let coarsest = if axis.rows() == 1 { 1.0 } else { f64::INFINITY };
+        let least = if axis.rows() == 1 { ONE_NM } else { 0 };
         let thickness = |row: usize| axis.thickness_nm(row, range.min_nm);
-        let steps: Vec<f64> =
-            (0..axis.rows()).map(|row| Spectral::step_nm(stack, thickness(row)).min(coarsest)).collect();
-        let mut used = steps.clone();
+        let counts: Vec<usize> =
+            (0..axis.rows()).map(|row| Spectral::count(stack, thickness(row)).max(least)).collect();
+        let mut used = counts.clone();
         used.dedup();
-        let rules: Vec<Spectral> = used.iter().map(|&step| Spectral::new(sensor, step)).collect();
+        let rules: Vec<Spectral> = used.iter().map(|&count| Spectral::new(sensor, count)).collect();
         let integrands: Vec<Integrand> = rules.iter().map(|rule| rule.gather(&film)).collect();
-        // Steps only ever shrink along the axis.
-        let rule = |row: usize| &integrands[used.iter().rposition(|&step| step >= steps[row]).unwrap_or(0)];
+        let rule = |row: usize| &integrands[used.iter().position(|&count| count == counts[row]).unwrap_or(0)];
         let reflect = |side: Side, row: usize, mu: f32| [rule(row).reflect(side, mu, thickness(row) as f32)];
         let both = |side: Side, row: usize, mu: f32| rule(row).both(side, mu, thickness(row) as f32);
 
@@ -121,8 +125,8 @@ impl Table {
             Form::Lossless { .. } if square <= 0.0 => TOTAL,
             Form::Lossless { grid, .. } => lossless(grid, square.sqrt(), place),
             Form::TwoSided { beyond, .. } if square <= 0.0 => {
-                let [[r, g, b, _]] = beyond.at((-square / (self.ratio - 1.0).max(1e-6)).sqrt(), place);
-                Split { reflect: [r, g, b], transmit: [0.0; 3] }
+                let [reflect] = beyond.at((-square / (self.ratio - 1.0).max(1e-6)).sqrt(), place);
+                Split { reflect: rgb(reflect), transmit: [0.0; 3] }
             }
             Form::TwoSided { dense, .. } => lossy(dense, square.sqrt(), place),
         }
@@ -160,31 +164,50 @@ const TOTAL: Split<[f32; 3]> = Split { reflect: [1.0; 3], transmit: [0.0; 3] };
 
 #[inline(always)]
 fn lossless(grid: &Grid<1>, mu: f32, place: Place) -> Split<[f32; 3]> {
-    let [[r, g, b, _]] = grid.at(mu.sqrt(), place);
-    Split { reflect: [r, g, b], transmit: [1.0 - r, 1.0 - g, 1.0 - b] }
+    let [reflect] = grid.at(mu.sqrt(), place);
+    Split { reflect: rgb(reflect), transmit: rgb(Vec4::ONE - reflect) }
 }
 
 #[inline(always)]
 fn lossy(grid: &Grid<2>, mu: f32, place: Place) -> Split<[f32; 3]> {
-    let [[r, g, b, _], [tr, tg, tb, _]] = grid.at(mu.sqrt(), place);
-    Split { reflect: [r, g, b], transmit: [tr, tg, tb] }
+    let [reflect, transmit] = grid.at(mu.sqrt(), place);
+    Split { reflect: rgb(reflect), transmit: rgb(transmit) }
 }
 
-/// Fills a table. A single row is refined until the old table interpolates the new nodes well enough.
+#[inline(always)]
+fn rgb(value: Vec4) -> [f32; 3] {
+    [value.x, value.y, value.z]
+}
+
+/// Fills a table. Rows are refined until the old nodes interpolate the new ones well enough: a single row strictly; several
+/// by the looks of three of them.
 fn fill<const K: usize>(rows: usize, value: impl Fn(usize, f32) -> [[f32; 3]; K] + Sync) -> Grid<K> {
-    if rows > 1 {
-        return Grid::new(rows, COLUMNS_2D, value);
+    if rows == 1 {
+        return refine(&COLUMNS_1D, MIDPOINT_DELTA_E[0], |u| value(0, u));
     }
-    let mut grid = Grid::new(1, COLUMNS_1D[0], &value);
-    let color = |node: [[f32; 4]; K]| Lab::from_linear_srgb([node[0][0], node[0][1], node[0][2]].map(f64::from));
-    while grid.columns() < COLUMNS_1D[1] {
-        let finer = grid.refined(|u| value(0, u));
+    let samples = [rows / 8, rows / 2, rows - 1];
+    let columns = samples.map(|row| refine(&COLUMNS_2D, MIDPOINT_DELTA_E[1], |u| value(row, u)).columns());
+    // The last refinement only showed that the one before it was enough.
+    let columns = columns.into_iter().fold(0, usize::max).div_ceil(2);
+    Grid::new(rows, columns, value)
+}
+
+/// One row with as many nodes as it takes.
+fn refine<const K: usize>(
+    columns: &[usize; 2],
+    midpoint_delta_e: f64,
+    value: impl Fn(f32) -> [[f32; 3]; K] + Sync,
+) -> Grid<K> {
+    let mut grid = Grid::new(1, columns[0], |_, u| value(u));
+    let color = |node: [Vec4; K]| Lab::from_linear_srgb(rgb(node[0]).map(f64::from));
+    while grid.columns() < columns[1] {
+        let finer = grid.refined(&value);
         let midpoint = |i: usize| (2 * i + 1) as f32 / (finer.columns() - 1) as f32;
         let error = |u: f32| delta_e_2000(color(grid.at(u, Place::first())), color(finer.at(u, Place::first())));
         let worst = (0..grid.columns() - 1).map(|i| error(midpoint(i))).fold(0.0, f64::max);
-        // The finer one is paid for.
+        // Kept in any case: it is paid for.
         grid = finer;
-        if worst < MIDPOINT_DELTA_E {
+        if worst < midpoint_delta_e {
             break;
         }
     }
@@ -200,9 +223,13 @@ pub(super) fn thickness_axis(stack: &Stack, range: Range) -> Axis {
     let contrast = ((media[0] - media[1]) / (media[0] + media[1])) * ((media[1] - media[2]) / (media[1] + media[2]));
     let sharpness = if stack.layers.len() == 1 { 1.0 + 4.0 * contrast.norm() } else { 2.0 };
     let spacing = 450.0 / (2.0 * n) / (PER_FRINGE * sharpness);
-    let (Range { min_nm, max_nm }, coarser, faded) = (range, 0.5 * COARSER_NM / n, 0.5 * FADED_NM / n);
+    // At grazing the path difference is the least.
+    let around = stack.outside.at(450.0).re;
+    let grazing = (n * n - around * around).max(0.0).sqrt().max(0.4 * n);
+    let (Range { min_nm, max_nm }, coarser, faded) = (range, 0.5 * COARSER_NM / grazing, 0.5 * FADED_NM / grazing);
     let spans = [
-        (min_nm, max_nm.min(coarser), spacing),
+        (min_nm, max_nm.min(THIN_NM), spacing.min(THIN_SPACING_NM)),
+        (min_nm.max(THIN_NM), max_nm.min(coarser), spacing),
         (min_nm.max(coarser), max_nm.min(faded), 2.0 * spacing),
         (min_nm.max(faded), max_nm, (max_nm - faded) / FADED_ROWS),
     ];
