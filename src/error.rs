@@ -20,9 +20,16 @@ pub enum Error {
     /// What was asked for makes no sense together, or with this scene.
     #[error("{0}")]
     Usage(String),
-    /// Stopped by a signal; what was rendered has been written.
-    #[error("stopped by {name} after {done} of {wanted} samples per pixel; the picture holds what was done")]
+    /// Stopped by a signal. Unless `done` is 0, what was rendered has been written.
+    #[error("stopped by {name} {}", progress(*done, *wanted))]
     Interrupted { signal: i32, name: &'static str, done: u32, wanted: u32 },
+}
+
+fn progress(done: u32, wanted: u32) -> String {
+    match done {
+        0 => "before every pixel had a sample; no picture was written".to_owned(),
+        _ => format!("after {done} of {wanted} samples per pixel; the picture holds what was done"),
+    }
 }
 
 impl Error {

@@ -189,7 +189,8 @@ fn lights_camera_and_hints_of_our_profile() {
     assert!(close(power.color, Vec3::splat(6.0 / (PI * 0.06))), "{}", power.color);
     assert!(matches!(power.kind, LightKind::Area { shape: AreaShape::Rectangle, visible: false }));
     let dot = light(&document, "dot");
-    let falloff = Falloff::Attenuation { constant: 1.0, linear: 2.0, quadratic: 0.0 };
+    // 2 per unit of 0.1 m.
+    let falloff = Falloff::Attenuation { constant: 1.0, linear: 20.0, quadratic: 0.0 };
     assert!(matches!(dot.kind, LightKind::Point { radius_m: 0.25, falloff: own } if own == falloff));
     assert_eq!(dot.spectrum, Emission::D65);
     let lens = document.cameras[0].lens.unwrap();
@@ -275,6 +276,25 @@ fn lamps_of_blender_are_in_watts_since_2_80() {
     assert_eq!(light(&document, "point").color, rgb);
     assert_eq!(light(&document, "rect").color, rgb, "radiance as written");
     assert!(warnings.iter().any(|warning| warning.seen.starts_with("attenuation 1 0 0.0016")));
+}
+
+/// Blender takes a unit for a metre: its lamps light a scene alike at any scale.
+#[test]
+fn lamps_of_blender_follow_the_unit() {
+    let text = std::fs::read_to_string(data("good/blender_lights.dae")).unwrap();
+    let file = std::env::temp_dir().join(format!("pellicle-unit-{}.dae", std::process::id()));
+    std::fs::write(&file, text.replace(r#"meter="1""#, r#"meter="0.01""#)).unwrap();
+    let (small, warnings) = load(&file, &LoadOptions::default()).unwrap();
+    std::fs::remove_file(&file).unwrap();
+    assert!(!warnings.iter().any(|warning| warning.seen.contains("watts")), "{warnings:?}");
+    let (large, _) = good("blender_lights.dae");
+    for (id, ratio) in [("point", 1e-4), ("spot", 1e-4), ("sun", 1.0), ("rect", 1.0), ("disk", 1.0)] {
+        let relative = light(&small, id).color / light(&large, id).color;
+        assert!(relative.abs_diff_eq(Vec3::splat(ratio), 1e-5 * ratio), "{id}: {relative}");
+    }
+    assert!(
+        matches!(light(&small, "point").kind, LightKind::Point { radius_m, .. } if (radius_m - 0.001).abs() < 1e-9)
+    );
 }
 
 #[test]

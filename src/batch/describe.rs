@@ -14,7 +14,7 @@ use crate::scene::{FilmOptions, Scene, Stage, cameras};
 /// One section per kind of thing; films with the verdict that rendering would use.
 ///
 /// # Errors
-/// What [`scene::build`] reports: a scene that can be described can be rendered.
+/// What [`Stage::new`] and [`Scene::new`] report: a scene that can be described can be rendered.
 pub fn describe(document: &Document, tolerance: f32) -> Result<String, Error> {
     let name = document.path.display().to_string();
     let failed = |source| Error::Build { scene: name.clone(), source };
@@ -67,7 +67,8 @@ pub fn describe(document: &Document, tolerance: f32) -> Result<String, Error> {
         }
     }
 
-    line(0, format!("lights: {}", document.lights.len()));
+    let emissive = document.materials.iter().filter(|material| material.emission.is_some()).count();
+    line(0, format!("lights: {}, and {emissive} materials that emit", document.lights.len()));
     for light in &document.lights {
         line(2, format!("{}: {}", light.id, light_kind(light)));
     }

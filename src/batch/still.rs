@@ -27,6 +27,8 @@ pub struct StillPlan {
     pub png_depth: PngDepth,
     /// 32-bit EXR.
     pub float: bool,
+    /// Largest number of bytes for the picture; `None`: what the machine has left.
+    pub max_memory: Option<u64>,
 }
 
 /// A scene that is ready to render.
@@ -38,11 +40,12 @@ pub struct Prepared<M: Mode> {
 /// Shapes, images and lights, and where the camera stands; with what a user should hear of.
 ///
 /// # Errors
-/// Images or memory (see [`Stage::new`]), or a camera that does not exist.
+/// Images or memory (see [`Stage::new`]), a camera that does not exist, or a picture too large for the memory.
 pub fn stage(document: &Document, plan: &StillPlan) -> Result<(Arc<Stage>, Camera, Vec<String>), Error> {
     let stage = Stage::new(document, plan.render.threads).map_err(|source| built(document, source))?;
     let (camera, placed) =
         Camera::new(document, plan.camera.as_deref(), plan.size, plan.framing, stage.bounds).map_err(Error::Usage)?;
+    render::check_memory(camera.size, plan.max_memory.unwrap_or_else(render::available_memory))?;
     let mut notes = Vec::new();
     match placed {
         Placed::AsWritten => {}
@@ -80,7 +83,7 @@ impl<M: Mode> Prepared<M> {
     pub fn summary(&self, document: &Document, plan: &StillPlan) -> String {
         let [width, height] = self.camera.size;
         format!(
-            "{}: {} triangles, {} materials, {} lights; {width}x{height}, {} spp, {} bounces",
+            "{}: {} triangles, {} materials, {} emitters; {width}x{height}, {} spp, {} bounces",
             document.path.display(),
             triangles(document),
             document.materials.len(),
@@ -91,7 +94,7 @@ impl<M: Mode> Prepared<M> {
     }
 
     /// # Errors
-    /// Threads or memory that the machine cannot give.
+    /// Threads that the machine cannot give.
     pub fn render(&self, plan: &StillPlan, watch: &dyn Watch) -> Result<Frame, Error> {
         Ok(render::render(&self.scene, &self.camera, &plan.render, watch)?)
     }

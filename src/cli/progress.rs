@@ -1,8 +1,7 @@
 //! Progress on stderr: a bar on a terminal, a line now and then elsewhere, or JSON lines.
 
-use std::sync::Arc;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use clap::ValueEnum;
@@ -53,8 +52,12 @@ impl Progress {
 
     pub fn finish(&self) {
         self.bar.finish_and_clear();
+        if self.style == ProgressArg::Json {
+            self.report(self.done.load(Ordering::Relaxed));
+        }
     }
 
+    /// Reports where the last line is some time ago.
     fn line(&self, done: u64) {
         let Ok(mut last) = self.last_line.try_lock() else { return };
         let now = Instant::now();
@@ -62,7 +65,11 @@ impl Progress {
             return;
         }
         *last = now;
-        let elapsed_s = (now - self.start).as_secs_f64();
+        self.report(done);
+    }
+
+    fn report(&self, done: u64) {
+        let elapsed_s = self.start.elapsed().as_secs_f64();
         let share = done as f64 / self.total.max(1) as f64;
         let left_s = elapsed_s * (1.0 - share) / share.max(1e-9);
         if self.style == ProgressArg::Json {

@@ -84,6 +84,9 @@ pub struct RenderArgs {
     /// Write 32-bit instead of 16-bit floats to EXR
     #[arg(long)]
     float: bool,
+    /// Most memory for the picture, like `8G` or `500M` [default: what the machine has left]
+    #[arg(long, value_name = "SIZE", value_parser = parse_bytes)]
+    max_memory: Option<u64>,
     /// Write timings, counts and settings as JSON
     #[arg(long, value_name = "FILE")]
     stats: Option<PathBuf>,
@@ -150,8 +153,16 @@ fn parse_size(text: &str) -> Result<Size, String> {
     }
 }
 
+/// Bytes, or with the letters k, M, G, T the powers of 1000.
+fn parse_bytes(text: &str) -> Result<u64, String> {
+    let letters = ["k", "M", "G", "T"];
+    let found = letters.iter().zip(1..).find_map(|(letter, power)| Some((text.strip_suffix(letter)?, power)));
+    let (digits, power) = found.unwrap_or((text, 0));
+    let bytes = digits.parse::<u64>().ok().and_then(|number| number.checked_mul(1000u64.pow(power)));
+    bytes.ok_or_else(|| "write it as a whole number of bytes, or like `500M` or `8G`".to_owned())
+}
+
 pub fn run(args: &RenderArgs) -> Result<(), Error> {
-    let signal = signals();
     let inform = |line: &str| {
         if !args.quiet {
             say(line);
@@ -187,7 +198,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Error> {
             transport
         }
     };
-    let job = Job { args, document: &document, plan: &plan, stage: &stage, camera: &camera, format, parse_s, signal };
+    let job = Job { args, document: &document, plan: &plan, stage: &stage, camera: &camera, format, parse_s };
     match (transport, args.wavelengths.as_str()) {
         (Transport::Rgb, _) => job.render::<Rgb>(),
         (Transport::Spectral, "4") => job.render::<Spectral<4>>(),
@@ -205,18 +216,19 @@ struct Job<'a> {
     camera: &'a Camera,
     format: Format,
     parse_s: f64,
-    signal: Arc<AtomicUsize>,
 }
 
 impl Job<'_> {
     fn render<M: Mode>(&self) -> Result<(), Error> {
-        let Self { args, document, plan, signal, .. } = self;
+        let Self { args, document, plan, .. } = self;
         let inform = |line: &str| {
             if !args.quiet {
                 say(line);
             }
         };
         let prepared = still::prepare::<M>(document, plan, self.stage, self.camera)?;
+        // Until here a signal simply ends the program: there is nothing to save yet.
+        let signal = signals();
         inform(&prepared.summary(document, plan));
 
         let style = if args.quiet { ProgressArg::None } else { args.progress };
@@ -226,6 +238,10 @@ impl Job<'_> {
         let frame = prepared.render(plan, &progress)?;
         progress.finish();
 
+        let stopped = stopped(&signal, &frame, plan);
+        if frame.spp == 0 {
+            return stopped;
+        }
         let mut stats = prepared.stats(document, plan, &frame, self.parse_s);
         let picture = prepared.picture(&frame, &stats);
         let (written, write_s) = still::write(&args.output, self.format, &picture, plan)?;
@@ -234,21 +250,18 @@ impl Job<'_> {
             output::write_text(path, &stats.to_json())?;
         }
         inform(&stats.summary(&args.output));
-        interrupted(signal, &frame, plan)
+        stopped
     }
 }
 
-/// The error that a signal makes of a finished, shorter render.
-fn interrupted(signal: &AtomicUsize, frame: &Frame, plan: &StillPlan) -> Result<(), Error> {
-    match signal.load(Ordering::Relaxed) {
-        0 => Ok(()),
-        signal => Err(Error::Interrupted {
-            signal: signal as i32,
-            name: if signal as i32 == SIGINT { "SIGINT" } else { "SIGTERM" },
-            done: frame.spp,
-            wanted: plan.render.spp,
-        }),
+/// The error that a signal makes of a render that is shorter for it.
+fn stopped(signal: &AtomicUsize, frame: &Frame, plan: &StillPlan) -> Result<(), Error> {
+    if frame.spp == plan.render.spp {
+        return Ok(());
     }
+    let signal = signal.load(Ordering::Relaxed) as i32;
+    let name = if signal == SIGINT { "SIGINT" } else { "SIGTERM" };
+    Err(Error::Interrupted { signal, name, done: frame.spp, wanted: plan.render.spp })
 }
 
 impl RenderArgs {
@@ -298,6 +311,7 @@ impl RenderArgs {
             exposure_ev: self.exposure.or(hints.exposure_ev).unwrap_or(0.0),
             png_depth: if self.png_depth == "16" { PngDepth::Sixteen } else { PngDepth::Eight },
             float: self.float,
+            max_memory: self.max_memory,
         }
     }
 }

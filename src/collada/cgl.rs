@@ -56,7 +56,7 @@ pub fn warn_unknown<'a>(loader: &mut Loader<'a>, technique: Element<'a>) {
 }
 
 fn surface(base: Base) -> Material {
-    Material { base, opacity: Scalar::constant(1.0), ..Material::default() }
+    Material { base, ..Material::default() }
 }
 
 fn dielectric(ior: f32, fresnel: bool) -> Base {

@@ -33,7 +33,7 @@ pub fn read<'a>(
     instance: Element<'a>,
     user: &str,
 ) -> Result<Material, Fault> {
-    let mut material = Material { opacity: Scalar::constant(1.0), ..Material::default() };
+    let mut material = Material::default();
     let profile = effect.child("profile_COMMON");
     let technique = profile.and_then(|profile| profile.child("technique"));
     let shader = technique.and_then(|technique| technique.children().find(|child| SHADERS.contains(&child.name())));

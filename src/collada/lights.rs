@@ -151,15 +151,14 @@ fn blender_light<'a>(
 ) -> Result<Reading, Fault> {
     let watts = loader.blender.is_some_and(|version| version.writes_watts());
     let radius_m = extra.radius * loader.meter;
+    // Blender takes one unit for one metre whatever the scene's unit is: a lamp lights its scene alike at any scale.
+    let m2_per_unit2 = loader.meter * loader.meter;
     // A sphere of P watts has the intensity P / 4 pi in every direction; a spot is not brighter for being narrow.
     let intensity = if watts { color / (4.0 * PI) } else { color };
-    if watts && loader.meter != 1.0 && matches!(extra.lamp, Lamp::Point | Lamp::Spot | Lamp::Area) {
-        let seen = format!("a lamp in watts in a file whose unit is {} m", loader.meter);
-        let factor = loader.meter.powi(-2);
-        let advice =
-            format!("Blender itself counts 1 unit as 1 m: against its sun and sky it is {factor} times as bright");
-        loader.warnings.add(element, seen, advice);
-    }
+    let intensity = match loader.options.falloff {
+        FalloffRule::Collada => intensity,
+        FalloffRule::Auto | FalloffRule::Physical => intensity * m2_per_unit2,
+    };
     Ok(match extra.lamp {
         Lamp::Point => {
             let falloff = falloff(loader, element, true)?;
@@ -175,6 +174,7 @@ fn blender_light<'a>(
         Lamp::Hemi => Reading::new(LightKind::Ambient, color),
         Lamp::Area => {
             let kind = LightKind::Area { shape: extra.shape, visible: true };
+            let color = if watts { color * m2_per_unit2 } else { color };
             Reading { size: Some(extra.size), is_power: watts, ..Reading::new(kind, color) }
         }
     })
@@ -202,7 +202,9 @@ fn falloff<'a>(loader: &mut Loader<'a>, element: Element<'a>, by_blender: bool) 
         let message = format!("attenuation {constant} {linear} {quadratic} is not positive");
         return Err(element.fault(message));
     }
-    Ok(Falloff::Attenuation { constant, linear, quadratic })
+    // The file's numbers hold for distances in its own unit.
+    let per_m = 1.0 / loader.meter;
+    Ok(Falloff::Attenuation { constant, linear: linear * per_m, quadratic: quadratic * per_m * per_m })
 }
 
 fn child_number(element: Element, name: &str) -> Result<Option<f32>, Fault> {

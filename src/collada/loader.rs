@@ -3,7 +3,7 @@
 use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
 
-use crate::document::{Document, Material, Scalar};
+use crate::document::{Document, Material};
 
 use super::LoadOptions;
 use super::blender::Version;
@@ -121,7 +121,7 @@ impl<'a> Loader<'a> {
         match self.default_material {
             Some(index) => index,
             None => {
-                self.document.materials.push(Material { opacity: Scalar::constant(1.0), ..Material::default() });
+                self.document.materials.push(Material::default());
                 let index = self.document.materials.len() - 1;
                 self.default_material = Some(index);
                 index

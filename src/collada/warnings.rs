@@ -12,7 +12,7 @@ use super::xml::{Element, Xml};
 pub struct Warning {
     pub file: PathBuf,
     /// Line of the first place it was met, counted from 1.
-    pub line: Option<usize>,
+    pub line: usize,
     /// What was seen.
     pub seen: String,
     /// What the loader did, or what the author can do.
@@ -23,11 +23,7 @@ pub struct Warning {
 
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", self.file.display())?;
-        if let Some(line) = self.line {
-            write!(f, ":{line}")?;
-        }
-        write!(f, ": {}", self.seen)?;
+        write!(f, "{}:{}: {}", self.file.display(), self.line, self.seen)?;
         if self.count > 1 {
             write!(f, " ({} times)", self.count)?;
         }
@@ -43,7 +39,7 @@ pub struct Warnings {
 }
 
 struct Entry {
-    offset: Option<usize>,
+    offset: usize,
     seen: String,
     advice: String,
     count: usize,
@@ -51,28 +47,25 @@ struct Entry {
 
 impl Warnings {
     pub fn add(&mut self, element: Element, seen: impl Into<String>, advice: impl Into<String>) {
-        self.push(Some(element.offset()), seen.into(), advice.into(), 1);
+        self.add_many(element, 1, seen, advice);
     }
 
     /// A warning about `count` things at once, the first of them in `element`.
     pub fn add_many(&mut self, element: Element, count: usize, seen: impl Into<String>, advice: impl Into<String>) {
-        self.push(Some(element.offset()), seen.into(), advice.into(), count);
-    }
-
-    fn push(&mut self, offset: Option<usize>, seen: String, advice: String, count: usize) {
+        let (seen, advice) = (seen.into(), advice.into());
         if let Some(&index) = self.known.get(&(seen.clone(), advice.clone())) {
             self.entries[index].count += count;
             return;
         }
         self.known.insert((seen.clone(), advice.clone()), self.entries.len());
-        self.entries.push(Entry { offset, seen, advice, count });
+        self.entries.push(Entry { offset: element.offset(), seen, advice, count });
     }
 
     /// In the order in which they were met.
     pub fn finish(self, file: &Path, xml: &Xml) -> Vec<Warning> {
         let finished = |entry: Entry| Warning {
             file: file.to_owned(),
-            line: entry.offset.map(|offset| line_at(&xml.source, offset).0),
+            line: line_at(&xml.source, entry.offset).0,
             seen: entry.seen,
             advice: entry.advice,
             count: entry.count,

@@ -90,6 +90,7 @@ impl Drop for Device {
 }
 
 /// Embree's error callback: `slot` is the device's [`ErrorSlot`].
+// SAFETY: only Embree calls it, with the slot that was registered and a text that ends in 0.
 unsafe extern "C" fn note_error(slot: *mut c_void, code: sys::RTCError, text: *const c_char) {
     // SAFETY: `Device` registered the slot and outlives its registration.
     let slot = unsafe { &*slot.cast_const().cast::<ErrorSlot>() };

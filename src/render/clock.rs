@@ -12,6 +12,14 @@ pub fn cpu_seconds() -> f64 {
     ticks / TICKS_PER_S
 }
 
+/// Bytes that can be allocated before the machine swaps or kills; no limit where /proc is absent.
+pub fn available_memory() -> u64 {
+    let Ok(info) = std::fs::read_to_string("/proc/meminfo") else { return u64::MAX };
+    let line = info.lines().find_map(|line| line.strip_prefix("MemAvailable:"));
+    let kib = line.and_then(|l| l.split_whitespace().next()).and_then(|n| n.parse::<u64>().ok());
+    kib.map_or(u64::MAX, |kib| kib * 1024)
+}
+
 /// Largest resident memory so far, in MB (10^6 bytes); 0 where /proc is absent.
 pub fn peak_rss_mb() -> f64 {
     let Ok(status) = std::fs::read_to_string("/proc/self/status") else { return 0.0 };

@@ -1,14 +1,14 @@
 //! Pictures from paths: passes over tiles, accumulation, stopping, clocks.
 //!
 //! Samples are drawn per pixel in index order and added in f64, tiles share nothing: any number of threads gives the same
-//! bits.
+//! bits, however the samples are cut into passes.
 
 mod clock;
 mod filter;
 mod frame;
 mod tile;
 
-pub use clock::{cpu_seconds, peak_rss_mb};
+pub use clock::{available_memory, cpu_seconds, peak_rss_mb};
 pub use filter::Filter;
 pub use frame::Frame;
 use glam::Vec2;
@@ -21,7 +21,8 @@ use crate::mode::{Lanes, Mode};
 use crate::scene::{Camera, Scene};
 use tile::{Pixel, Tile};
 
-/// Largest number of samples that a pass adds to each pixel: passes are where a render can stop and report.
+/// Largest number of samples that a pass adds to each pixel. A render stops between tiles: no pixel is then more than this
+/// ahead of another.
 const PASS_SPP: u32 = 16;
 
 /// What to render.
@@ -35,11 +36,12 @@ pub struct Plan {
     pub limits: PathLimits,
 }
 
-/// Told of progress; may stop the render between passes.
+/// Told of progress; may stop the render.
 pub trait Watch: Sync {
-    /// `tiles` more tiles of the current pass are done; called from render threads.
+    /// `samples` more pixel samples are done; called from render threads.
     fn advanced(&self, samples: u64);
-    /// Asked after each pass: true ends the render with the samples it has.
+    /// Asked before each tile of a pass: true ends the render with the samples it has. Called from render threads; once
+    /// true, always true.
     fn stop(&self) -> bool;
 }
 
@@ -48,15 +50,27 @@ pub enum RenderError {
     #[error("cannot start {threads} render threads: {reason}")]
     Threads { threads: usize, reason: String },
     #[error(
-        "a {width}x{height} picture needs {bytes} bytes for its samples, more than this machine can give; choose a smaller size"
+        "a {width}x{height} picture needs {bytes} bytes of memory, but only {limit} are available; choose a smaller size or raise --max-memory"
     )]
-    Memory { width: u32, height: u32, bytes: u64 },
+    Memory { width: u32, height: u32, bytes: u64, limit: u64 },
 }
 
-/// Renders a picture.
+/// Bytes per pixel at the peak, where the sums become a [`Frame`]: 72 by their types, with room for the rest.
+const BYTES_PER_PIXEL: u64 = 80;
+
+/// Refuses pictures that would not fit into `limit` bytes: a failed allocation could only abort the program, after hours.
 ///
 /// # Errors
-/// Threads or memory that the machine cannot give.
+/// The bytes that the picture needs and those that there are.
+pub fn check_memory([width, height]: [u32; 2], limit: u64) -> Result<(), RenderError> {
+    let bytes = u64::from(width) * u64::from(height) * BYTES_PER_PIXEL;
+    if bytes > limit { Err(RenderError::Memory { width, height, bytes, limit }) } else { Ok(()) }
+}
+
+/// Renders a picture. When the watch stops it, pixels have their own numbers of samples, and [`Frame::spp`] is the least.
+///
+/// # Errors
+/// Threads that the machine cannot give.
 pub fn render<M: Mode>(
     scene: &Scene<M>,
     camera: &Camera,
@@ -67,18 +81,21 @@ pub fn render<M: Mode>(
         .num_threads(plan.threads)
         .build()
         .map_err(|e| RenderError::Threads { threads: plan.threads, reason: e.to_string() })?;
-    let mut tiles = Tile::grid(camera.size)?;
+    let mut tiles = Tile::grid(camera.size);
     let clock = std::time::Instant::now();
     let cpu_start = cpu_seconds();
     let mut tally = Tally::default();
     let mut done = 0;
     while done < plan.spp {
         // Small passes first, so that a short render shows something early.
-        let count = done.max(1).min(PASS_SPP).min(plan.spp - done);
+        let count = done.clamp(1, PASS_SPP).min(plan.spp - done);
         let pass = pool.install(|| {
             tiles
                 .par_iter_mut()
                 .map(|tile| {
+                    if watch.stop() {
+                        return Tally::default();
+                    }
                     let tally = render_tile(scene, camera, plan, tile, done..done + count);
                     watch.advanced(u64::from(count) * tile.pixels.len() as u64);
                     tally
@@ -96,7 +113,7 @@ pub fn render<M: Mode>(
     }
     let render_s = clock.elapsed().as_secs_f64();
     let render_cpu_s = cpu_seconds() - cpu_start;
-    Ok(Frame::resolve(camera.size, done, tiles, tally, pool.current_num_threads(), render_s, render_cpu_s))
+    Ok(Frame::resolve(camera.size, tiles, tally, pool.current_num_threads(), render_s, render_cpu_s))
 }
 
 fn render_tile<M: Mode>(
@@ -114,6 +131,7 @@ fn render_tile<M: Mode>(
             render_sample(scene, camera, plan, [x, y], index, pixel, &mut tally);
         }
     }
+    tile.spp = samples.end;
     tally
 }
 

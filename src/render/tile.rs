@@ -2,8 +2,6 @@
 
 use glam::Vec3;
 
-use super::RenderError;
-
 pub const TILE_SIDE: u32 = 16;
 
 /// A rectangle of the picture; pixels row by row.
@@ -11,6 +9,8 @@ pub struct Tile {
     pub x0: u32,
     pub y0: u32,
     pub width: u32,
+    /// Samples that each pixel has.
+    pub spp: u32,
     pub pixels: Vec<Pixel>,
 }
 
@@ -35,25 +35,18 @@ impl Pixel {
 
 impl Tile {
     /// All tiles of a picture, along a Z-order curve: neighbours in time are neighbours in space.
-    pub fn grid([width, height]: [u32; 2]) -> Result<Vec<Self>, RenderError> {
-        let bytes = u64::from(width) * u64::from(height) * size_of::<Pixel>() as u64;
-        let too_large = || RenderError::Memory { width, height, bytes };
+    pub fn grid([width, height]: [u32; 2]) -> Vec<Self> {
         let (columns, rows) = (width.div_ceil(TILE_SIDE), height.div_ceil(TILE_SIDE));
-        let mut places: Vec<[u32; 2]> = Vec::new();
-        places.try_reserve_exact(columns as usize * rows as usize).map_err(|_| too_large())?;
-        places.extend((0..rows).flat_map(|row| (0..columns).map(move |column| [column, row])));
+        let mut places: Vec<[u32; 2]> =
+            (0..rows).flat_map(|row| (0..columns).map(move |column| [column, row])).collect();
         places.sort_by_key(|&[column, row]| spread_bits(column) | spread_bits(row) << 1);
-        let mut tiles = Vec::with_capacity(places.len());
-        for [column, row] in places {
+        let tile = |[column, row]: [u32; 2]| {
             let (x0, y0) = (column * TILE_SIDE, row * TILE_SIDE);
             let (tile_width, tile_height) = ((width - x0).min(TILE_SIDE), (height - y0).min(TILE_SIDE));
-            let mut pixels = Vec::new();
-            let count = (tile_width * tile_height) as usize;
-            pixels.try_reserve_exact(count).map_err(|_| too_large())?;
-            pixels.resize(count, Pixel::default());
-            tiles.push(Self { x0, y0, width: tile_width, pixels });
-        }
-        Ok(tiles)
+            let pixels = vec![Pixel::default(); (tile_width * tile_height) as usize];
+            Self { x0, y0, width: tile_width, spp: 0, pixels }
+        };
+        places.into_iter().map(tile).collect()
     }
 }
 
@@ -74,7 +67,7 @@ mod tests {
     #[test]
     fn tiles_cover_every_pixel_once() {
         for size in [[1, 1], [16, 16], [17, 33], [100, 3]] {
-            let tiles = Tile::grid(size).unwrap();
+            let tiles = Tile::grid(size);
             let mut seen = vec![0; (size[0] * size[1]) as usize];
             for tile in &tiles {
                 for i in 0..tile.pixels.len() as u32 {

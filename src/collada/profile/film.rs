@@ -3,10 +3,10 @@
 use crate::collada::error::Fault;
 use crate::collada::loader::Loader;
 use crate::collada::xml::Element;
-use crate::color::Index;
+use crate::color::{Index, Kind};
 use crate::document::{Channel4, Film, Thickness};
 
-use super::index::{FILMS, GLASSES, METALS, named};
+use super::index::{named, names};
 use super::maps;
 use super::strict::{Bounds, Strict, at_most_one};
 
@@ -33,7 +33,7 @@ pub fn stack<'a>(loader: &mut Loader<'a>, base: Element<'a>, user: &str) -> Resu
 fn read<'a>(loader: &mut Loader<'a>, element: Element<'a>, user: &str) -> Result<Film, Fault> {
     let mut strict = Strict::new(element);
     let nm = thickness_nm(&mut strict, "thickness_nm")?;
-    let material = named(&mut strict, "material", &[&FILMS, &GLASSES, &METALS])?;
+    let material = named(&mut strict, "material", None)?;
     let ior = strict.number("ior", Bounds::Within(0.01, 10.0))?;
     let k = strict.number("k", Bounds::AtLeast(0.0))?;
     let weight = strict.number("weight", Bounds::Within(0.0, 1.0))?.unwrap_or(1.0);
@@ -44,7 +44,8 @@ fn read<'a>(loader: &mut Loader<'a>, element: Element<'a>, user: &str) -> Result
         (None, Some(n)) => Index::Constant { n, k: k.unwrap_or(0.0) },
         (None, None) => {
             let fault = element.fault("<film> has neither `ior` nor `material`");
-            return Err(fault.hint(format!("materials: {}", FILMS.join(", "))));
+            let films: Vec<&str> = names(Some(Kind::Film)).collect();
+            return Err(fault.hint(format!("materials: {}, and every glass and metal", films.join(", "))));
         }
     };
     let varying = at_most_one(element, &["noise", "drain", "map"])?;

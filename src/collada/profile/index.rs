@@ -2,16 +2,9 @@
 
 use crate::collada::error::Fault;
 use crate::collada::xml::Element;
-use crate::color::Index;
+use crate::color::{Index, Kind, kind_of_index, known_index_names};
 
 use super::strict::{Bounds, Strict};
-
-/// Names for the attribute `metal`.
-pub const METALS: [&str; 10] = ["Ag", "Al", "Au", "Cr", "Cu", "Fe", "Ni", "Ti", "W", "Zn"];
-/// Names for the attribute `glass`.
-pub const GLASSES: [&str; 5] = ["BK7", "SF10", "fused-silica", "water", "diamond"];
-/// Names for the attribute `material` of a film.
-pub const FILMS: [&str; 7] = ["SiO2", "TiO2", "MgF2", "water", "soap", "oil", "Fe3O4"];
 
 /// A value over wavelength as it was written.
 enum Spectrum {
@@ -21,19 +14,25 @@ enum Spectrum {
     Table(Vec<(f32, f32)>),
 }
 
-/// A name out of any of the lists.
-pub fn named(strict: &mut Strict, attribute: &'static str, lists: &[&[&'static str]]) -> Result<Option<Index>, Fault> {
-    let Some(name) = strict.text(attribute) else { return Ok(None) };
-    if lists.iter().any(|list| list.contains(&name)) {
+/// Known names of one kind, or all of them.
+pub fn names(kind: Option<Kind>) -> impl Iterator<Item = &'static str> {
+    let fits = move |name: &str| kind.is_none() || kind_of_index(name) == kind;
+    known_index_names().iter().copied().filter(move |name| fits(name))
+}
+
+/// A material by its name, in any case, of one kind or of any.
+pub fn named(strict: &mut Strict, attribute: &'static str, kind: Option<Kind>) -> Result<Option<Index>, Fault> {
+    let Some(given) = strict.text(attribute) else { return Ok(None) };
+    if let Some(name) = names(kind).find(|name| name.eq_ignore_ascii_case(given)) {
         return Ok(Some(Index::Named(name.to_owned())));
     }
-    let fault = strict.element.fault_at_value(attribute, format!("unknown {attribute} `{name}`"));
-    Err(fault.suggest(name, lists.iter().flat_map(|list| list.iter().copied())))
+    let fault = strict.element.fault_at_value(attribute, format!("unknown {attribute} `{given}`"));
+    Err(fault.suggest(given, names(kind)))
 }
 
 /// `metal`, or `eta` with `k`.
 pub fn conductor(strict: &mut Strict) -> Result<Index, Fault> {
-    let metal = named(strict, "metal", &[&METALS])?;
+    let metal = named(strict, "metal", Some(Kind::Metal))?;
     let eta = spectrum(strict, "eta", Bounds::Positive)?;
     let k = spectrum(strict, "k", Bounds::AtLeast(0.0))?;
     strict.not_both("metal", "eta")?;
@@ -45,7 +44,7 @@ pub fn conductor(strict: &mut Strict) -> Result<Index, Fault> {
         (None, None, Some(_)) => Err(strict.element.fault("<conductor> has `k` but no `eta`")),
         (None, None, None) => {
             let fault = strict.element.fault("<conductor> has neither `metal` nor `eta` and `k`");
-            Err(fault.hint(format!("metals: {}", METALS.join(", "))))
+            Err(fault.hint(format!("metals: {}", names(Some(Kind::Metal)).collect::<Vec<_>>().join(", "))))
         }
     }
 }

@@ -5,11 +5,11 @@ use glam::Vec3;
 use crate::collada::error::Fault;
 use crate::collada::loader::Loader;
 use crate::collada::xml::Element;
-use crate::color::Index;
+use crate::color::{Index, Kind};
 use crate::document::{Base, Distribution, Encoding, Material, Microfacets, Scalar, SurfaceEmission, Texture};
 
 use super::film;
-use super::index::{self, GLASSES, named};
+use super::index::{self, named};
 use super::maps;
 use super::spectrum;
 use super::strict::{Bounds, Strict, at_most_one, only_children};
@@ -26,7 +26,7 @@ pub fn read<'a>(loader: &mut Loader<'a>, technique: Element<'a>, user: &str) -> 
         let fault = technique.fault("this technique holds no base");
         return Err(fault.hint("one of <diffuse>, <conductor>, <dielectric>, <emitter>"));
     };
-    let mut material = Material { opacity: Scalar::constant(1.0), ..Material::default() };
+    let mut material = Material::default();
     if base.name() == "emitter" {
         material.base = Base::Black;
         material.emission = Some(emitter(base)?);
@@ -79,7 +79,7 @@ fn conductor<'a>(loader: &mut Loader<'a>, element: Element<'a>, user: &str) -> R
 fn dielectric<'a>(loader: &mut Loader<'a>, element: Element<'a>, user: &str) -> Result<Base, Fault> {
     let mut strict = Strict::new(element);
     let ior = strict.number("ior", Bounds::Within(1.0, 5.0))?;
-    let glass = named(&mut strict, "glass", &[&GLASSES])?;
+    let glass = named(&mut strict, "glass", Some(Kind::Glass))?;
     strict.not_both("glass", "ior")?;
     let index = glass.unwrap_or(Index::Constant { n: ior.unwrap_or(1.5), k: 0.0 });
     let microfacets = microfacets(loader, &mut strict, user)?;

@@ -63,12 +63,12 @@ pub fn render<'a>(loader: &Loader<'a>, technique: Element<'a>) -> Result<RenderH
     let Some(element) = at_most_one(technique, &["render"])? else { return Ok(RenderHints::default()) };
     let mut strict = Strict::new(element);
     let hints = RenderHints {
-        width: strict.whole("width", 1, 65_536)?,
-        height: strict.whole("height", 1, 65_536)?,
+        width: strict.whole("width", 1, 65_535)?,
+        height: strict.whole("height", 1, 65_535)?,
         spp: strict.whole("spp", 1, u32::MAX)?,
         seed: strict.whole("seed", 0, u32::MAX)?,
         max_bounces: strict.whole("max_bounces", 0, u32::MAX)?,
-        mode: strict.text("mode").map(str::to_owned),
+        mode: strict.choice("mode", &["auto", "rgb", "spectral"].map(|mode| (mode, mode)))?.map(str::to_owned),
         tolerance: strict.number("tolerance", Bounds::Positive)?,
         exposure_ev: strict.number("exposure_ev", Bounds::Any)?,
         camera: strict.text("camera").map(str::to_owned),

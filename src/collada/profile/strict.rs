@@ -5,6 +5,7 @@ use glam::Vec3;
 use crate::collada::error::Fault;
 use crate::collada::numbers::{Tokens, not_a_number};
 use crate::collada::xml::Element;
+use crate::color::view;
 
 pub struct Strict<'a> {
     pub element: Element<'a>,
@@ -99,7 +100,7 @@ impl<'a> Strict<'a> {
                 return Err(self.element.fault_at_value(name, message));
             }
         };
-        Ok(Some(if is_srgb { Vec3::from(value.to_array().map(srgb_to_linear)) } else { value }))
+        Ok(Some(if is_srgb { Vec3::from(value.to_array().map(view::srgb_decode)) } else { value }))
     }
 
     pub fn whole(&mut self, name: &'static str, low: u32, high: u32) -> Result<Option<u32>, Fault> {
@@ -177,9 +178,4 @@ pub fn at_most_one<'a>(element: Element<'a>, names: &[&str]) -> Result<Option<El
         }
         _ => Ok(first),
     }
-}
-
-/// IEC 61966-2-1.
-fn srgb_to_linear(value: f32) -> f32 {
-    if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
 }

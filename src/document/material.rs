@@ -1,0 +1,142 @@
+//! Surfaces: a base under films.
+
+use glam::Vec3;
+
+use super::texture::{Map, NormalMap, Scalar, Texture};
+use crate::color::{Emission, Index};
+
+/// A surface: one base under any number of films, outermost first.
+#[derive(Clone, Debug)]
+pub struct Material {
+    pub id: String,
+    pub base: Base,
+    pub films: Vec<Film>,
+    pub emission: Option<SurfaceEmission>,
+    /// Multiplies reflected and transmitted light (CGL tints); 1 = none.
+    pub tint: Tint,
+    pub normal_map: Option<NormalMap>,
+    /// Coverage: 0 lets everything through unbent.
+    pub opacity: Scalar,
+}
+
+impl Default for Material {
+    /// Grey, opaque, without films.
+    fn default() -> Self {
+        Self {
+            id: String::new(),
+            base: Base::default(),
+            films: Vec::new(),
+            emission: None,
+            tint: Tint::default(),
+            normal_map: None,
+            opacity: Scalar::constant(1.0),
+        }
+    }
+}
+
+#[derive(Clone, Debug)]
+pub enum Base {
+    /// Reflects nothing (a pure emitter).
+    Black,
+    /// Lambertian. Under a film it becomes an interfaced diffuse base whose inside has refractive index `ior`.
+    Diffuse {
+        reflectance: Texture,
+        ior: f32,
+    },
+    Conductor {
+        index: Index,
+        microfacets: Microfacets,
+    },
+    Dielectric {
+        index: Index,
+        microfacets: Microfacets,
+        /// Beer-Lambert absorption inside, linear RGB, 1/m.
+        absorption_per_m: Vec3,
+        /// False for CGL `<refraction>`, which transmits everything and reflects nothing.
+        fresnel: bool,
+    },
+}
+
+impl Default for Base {
+    fn default() -> Self {
+        Self::Diffuse { reflectance: Texture::constant(Vec3::splat(0.5)), ior: 1.5 }
+    }
+}
+
+#[derive(Clone, Debug)]
+pub struct Microfacets {
+    pub distribution: Distribution,
+    /// The distribution's alpha itself, 0..1; 0 is perfectly smooth.
+    pub roughness: Scalar,
+}
+
+impl Default for Microfacets {
+    /// Perfectly smooth.
+    fn default() -> Self {
+        Self { distribution: Distribution::default(), roughness: Scalar::constant(0.0) }
+    }
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Distribution {
+    #[default]
+    Ggx,
+    Beckmann,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub struct Tint {
+    pub reflect: Vec3,
+    pub transmit: Vec3,
+}
+
+impl Default for Tint {
+    fn default() -> Self {
+        Self { reflect: Vec3::ONE, transmit: Vec3::ONE }
+    }
+}
+
+/// Light that a surface sends out.
+#[derive(Clone, Debug)]
+pub struct SurfaceEmission {
+    /// W/(sr m2) per channel.
+    pub radiance: Texture,
+    pub spectrum: Emission,
+    pub two_sided: bool,
+}
+
+/// One homogeneous thin layer.
+#[derive(Clone, Debug)]
+pub struct Film {
+    pub index: Index,
+    pub thickness: Thickness,
+    /// Coverage of the film, 0..1.
+    pub weight: f32,
+}
+
+#[derive(Clone, Debug)]
+pub enum Thickness {
+    Constant {
+        nm: f32,
+    },
+    /// nm * (1 + amplitude * noise(frequency * p)), improved Perlin noise in [-1, 1] at the object-space point.
+    Noise {
+        nm: f32,
+        amplitude: f32,
+        frequency: f32,
+        octaves: u32,
+        seed: u32,
+    },
+    /// Gravity drainage between the object's highest and lowest point along world up.
+    Drain {
+        top_nm: f32,
+        bottom_nm: f32,
+        exponent: f32,
+    },
+    /// mix(min, max, texel), the texel read as linear data.
+    Map {
+        min_nm: f32,
+        max_nm: f32,
+        map: Map,
+    },
+}

@@ -1,0 +1,82 @@
+//! The scene as plain data: what a file says, before anything is built from it.
+//!
+//! No XML, no Embree, no colour mode. `collada` fills it, `scene::build` reads it. Lists refer to each other by index, so a
+//! `Document` can be cloned, compared and animated freely. Lengths are in file units until [`Document::to_world`] is
+//! applied (metres, Y up, right-handed afterwards); wavelengths and film thicknesses are nanometres; colours are linear
+//! sRGB.
+
+mod animation;
+mod camera;
+mod light;
+mod material;
+mod node;
+mod shape;
+mod texture;
+
+pub use animation::{Channel, Interpolation};
+pub use camera::{Camera, Lens, Projection};
+pub use light::{AreaShape, Environment, Falloff, Light, LightKind, SpotEdge};
+pub use material::{Base, Distribution, Film, Material, Microfacets, SurfaceEmission, Thickness, Tint};
+pub use node::{Binding, Item, Node, Transform, TransformKind};
+pub use shape::{Geometry, Group, Mesh, Shape, UvSet};
+pub use texture::{Channel4, Encoding, Image, ImageSource, Map, NormalMap, Scalar, Texture, Wrap};
+
+use std::path::PathBuf;
+
+use glam::Mat4;
+
+/// Everything one scene file holds.
+#[derive(Clone, Debug, Default)]
+pub struct Document {
+    /// The file it came from, for messages.
+    pub path: PathBuf,
+    /// File space to world space: the `up_axis` rotation times the `<unit>` scale (uniform).
+    pub to_world: Mat4,
+    pub geometries: Vec<Geometry>,
+    pub materials: Vec<Material>,
+    pub images: Vec<Image>,
+    pub lights: Vec<Light>,
+    pub cameras: Vec<Camera>,
+    /// All nodes; a node may be reached from several parents (`<instance_node>`), never from itself.
+    pub nodes: Vec<Node>,
+    /// The top-level nodes of the scene that is instantiated.
+    pub roots: Vec<usize>,
+    pub environment: Option<Environment>,
+    pub channels: Vec<Channel>,
+    pub render: RenderHints,
+    /// True when the file carries CS184 "CGL" material or light data, which invites its own camera framing.
+    pub has_cgl: bool,
+}
+
+/// What the scene file asks of the renderer; the command line overrides each.
+#[derive(Clone, Debug, Default)]
+pub struct RenderHints {
+    pub width: Option<u32>,
+    pub height: Option<u32>,
+    pub spp: Option<u32>,
+    pub seed: Option<u32>,
+    pub max_bounces: Option<u32>,
+    pub mode: Option<String>,
+    pub tolerance: Option<f32>,
+    pub exposure_ev: Option<f32>,
+    /// Id of a camera or of a camera's node.
+    pub camera: Option<String>,
+}
+
+impl Document {
+    /// World matrix of every reachable node instance that carries items, in depth-first order: (node, node-to-world).
+    /// A node reached along several paths appears once for each.
+    pub fn placements(&self) -> Vec<(usize, Mat4)> {
+        let mut placed = Vec::new();
+        let mut stack: Vec<(usize, Mat4)> = self.roots.iter().rev().map(|&root| (root, self.to_world)).collect();
+        while let Some((index, parent)) = stack.pop() {
+            let node = &self.nodes[index];
+            let to_world = parent * node.local();
+            stack.extend(node.children.iter().rev().map(|&child| (child, to_world)));
+            if !node.items.is_empty() {
+                placed.push((index, to_world));
+            }
+        }
+        placed
+    }
+}
