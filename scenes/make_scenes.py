@@ -173,16 +173,14 @@ def backdrop(width, depth, height, bend):
     return smooth([[(-width / 2, y, -z), (width / 2, y, -z)] for z, y in curve])
 
 
-def slab(width, height, depth, corner, bevel, steps=6):
-    """A rounded rectangle with bevelled edges, in the xy plane about the origin."""
-    def outline(inset):
-        centres = [(sx * (width / 2 - corner), sy * (height / 2 - corner)) for sx, sy in ((1, 1), (-1, 1), (-1, -1), (1, -1))]
-        points = [p for i, c in enumerate(centres) for p in arc(c, corner - inset, 90 * i, 90 * i + 90, steps)]
-        return points + points[:1]
-    levels = [(bevel, -depth / 2), (0, bevel - depth / 2), (0, depth / 2 - bevel), (bevel, depth / 2)]
-    rings = [[(x, y, z) for x, y in outline(inset)] for inset, z in levels]
-    flat = lambda ring: [ring, [(0, 0, ring[0][2])] * len(ring)]
-    return joined([smooth(flat(rings[0])[::-1])] + [smooth(pair) for pair in zip(rings, rings[1:])] + [smooth(flat(rings[-1]))])
+def pillow(width, height, depth, power, columns=96, rows=48):
+    """A box rounded to |x|^power + |y|^power + |z|^power = 1: 2 is an ellipsoid, more comes nearer to the box."""
+    halves = (width / 2, height / 2, depth / 2)
+    directions, uvs, triangles = globe(1, columns, rows)[1:]
+    points = [scaled(d, sum(abs(x) ** power for x in d) ** (-1 / power)) for d in directions]
+    slope = lambda x, half: math.copysign(abs(x) ** (power - 1), x) / half
+    normals = [unit(tuple(map(slope, p, halves))) for p in points]
+    return [tuple(x * half for x, half in zip(p, halves)) for p in points], normals, uvs, triangles
 
 
 def pebble(radius, seed, squash, columns=48, rows=24):
@@ -299,8 +297,8 @@ class Scene:
                 glow = scaled(radiance, 0.55 + 0.45 * (j + 1) / rows)
                 self.softbox(f"{name}-{i}{j}", pane, sub(pane, z), width / columns * (1 - bar), height / rows * (1 - bar), glow)
 
-    def environment(self, radiance):
-        self.surroundings = extra("pellicle", f"<environment{attributes(radiance=radiance)}/>")
+    def environment(self, radiance, **more):
+        self.surroundings = extra("pellicle", f"<environment{attributes(radiance=radiance, **more)}/>")
 
     def render(self, width, height, **hints):
         self.hints = extra("pellicle", f"<render{attributes(width=width, height=height, **hints)}/>")
@@ -378,8 +376,8 @@ def gold_knot():
             for i in range(along + 1)]
     knot = scene.mesh("knot", smooth([[scaled(p, 11.5) for p in row] for row in rows]))
     scene.place(knot, gold, ("translate", 0, 16.6, 2), ("rotate", 0, 1, 0, 24), ("rotate", 0, 0, 1, 90))
-    scene.camera((0, 27.3, 107.8), (0, 27.3, 0), 38, 1)
-    scene.render(512, 512, spp=256, max_bounces=12, exposure_ev=0.8)
+    scene.camera((0, half, 107.8), (0, half, 0), 38, 1)
+    scene.render(480, 480, spp=192, max_bounces=12, exposure_ev=0.8)
     scene.save_packed("gold_knot")
 
 
@@ -415,6 +413,15 @@ def double_bubble(scene, a, b, centre, turn_deg, tilt_deg):
         scene.place(mesh, soap(scene, f"soap-{name}", top, bottom), *pose, ("translate", x, 0, 0), axis)
 
 
+def bright_room(u, v):
+    """What lies around the bubbles: bright above and behind the camera, a faint glow behind the bubbles, dark below."""
+    turn, rise = 2 * math.pi * u, math.pi * (v - 0.5)
+    front = -math.cos(turn) * math.cos(rise)  # 1 behind the camera, which looks along -z
+    sky = smoothstep(-0.05, 0.75, rise) * mix(0.10, 1, smoothstep(-0.8, 0.7, front))
+    glow = math.exp(-9 * (turn - 2 * math.pi * round(u)) ** 2 - 14 * (rise - 0.06) ** 2)
+    return 0.006 + 0.9 * sky + 0.028 * glow
+
+
 def bubbles():
     scene = Scene("Soap bubbles by two windows: drained films in air, thin at the top and thick at the bottom")
     (FOLDER / "bubble_thickness.png").write_bytes(png(512, 256, stirred_thickness))
@@ -427,18 +434,14 @@ def bubbles():
             ("d", 2.7, -7.6, 4.6, 2, 80, 700), ("e", 0.8, 13.3, 18.6, 1, 200, 600), ("f", 1.8, 11.6, 4.6, -2, 110, 860))
     for name, radius, x, y, z, top, bottom in free:
         scene.ball(f"bubble-{name}", soap(scene, f"soap-{name}", top, bottom), radius, x, y, z)
-    table = diffuse(scene, "table", (0.008, 0.010, 0.013), film(0, ior=1.33), ior=1.33)
-    scene.place(scene.mesh("table-top", rectangle(400, 180)), table, ("translate", 0, 0, 10))
-    wall = diffuse(scene, "wall", (0.035, 0.055, 0.085))
-    scene.place(scene.mesh("wall-mesh", rectangle(500, 260)), wall, ("translate", 0, 60, -80), ("rotate", 1, 0, 0, 90))
+    table = diffuse(scene, "table", (0.004, 0.005, 0.007), film(0, ior=1.33), ior=1.33)
+    scene.place(scene.mesh("table-top", rectangle(6000, 6000)), table)
     scene.window("window-left", (-75, 42, 50), (0, 10, 0), 64, 70, 2, 3, (7, 7.5, 8.2))
     scene.window("window-right", (95, 40, 12), (0, 12, 0), 46, 64, 2, 3, (4.5, 4.7, 5.2))
-    scene.softbox("room", (15, 60, 130), (0, 15, 0), 230, 110, (0.9, 0.95, 1.0))
-    scene.softbox("ceiling", (0, 120, 10), (0, 0, 0), 150, 130, (0.8, 0.85, 0.9))
-    scene.softbox("wall-wash", (14, -2, -50), (10, 26, -80), 40, 8, (7, 8, 10), visible="false")
-    scene.environment((0.012, 0.014, 0.018))
-    scene.camera((0, 13.0, 58), (0, 10.6, 0), 33, 1.5)
-    scene.render(960, 640, spp=256, max_bounces=16, exposure_ev=1)
+    (FOLDER / "bubbles_room.png").write_bytes(png(256, 128, bright_room))
+    scene.environment((0.95, 1.03, 1.15), image="bubbles_room.png")
+    scene.camera((0, 12.5, 64), (0, 8.9, 0), 33, 1.5, lens='<lens aperture_radius_m="0.007" focus_distance_m="0.625"/>')
+    scene.render(720, 480, spp=192, max_bounces=16, exposure_ev=1)
     scene.save("bubbles")
 
 
@@ -465,8 +468,8 @@ def oil():
     road = scene.material("wet-road", (0.03, 0.03, 0.03), f'<diffuse ior="1.33">{grit}{film(varying=varying, ior=1.47)}</diffuse>')
     scene.place(scene.mesh("road", rectangle(200, 200)), road, ("translate", 0, 0, -60))
     stone = diffuse(scene, "stone", (0.13, 0.125, 0.115))
-    scene.place(scene.mesh("kerb", slab(70, 13, 16, 1.6, 1.2)), stone, ("translate", -32, 5, -64), ("rotate", 0, 1, 0, 14))
-    scene.place("kerb", stone, ("translate", 39.5, 5, -77), ("rotate", 0, 1, 0, 6), name="kerb-2")
+    scene.place(scene.mesh("kerb", pillow(70, 16, 60, 24, 160, 80)), stone, ("translate", -34, -2, -86), ("rotate", 0, 1, 0, 14))
+    scene.place("kerb", stone, ("translate", 37.3, -2.2, -101), ("rotate", 0, 1, 0, 10), name="kerb-2")
     shades = ((0.10, 0.09, 0.085), (0.20, 0.17, 0.14), (0.06, 0.06, 0.065))
     wet = [diffuse(scene, f"pebble-{i}", shade, film(0, ior=1.33), ior=1.33) for i, shade in enumerate(shades)]
     draw = random.Random(5)
@@ -522,7 +525,7 @@ def christmas_balls():
 
 def titanium():
     scene = Scene("Anodised titanium: the same plate and ring under 20, 40, ... 200 nm of oxide")
-    plate = scene.mesh("plate", slab(5.2, 11, 0.5, 0.7, 0.12))
+    plate = scene.mesh("plate", pillow(5.3, 11, 1.1, 4))
     band = lathe([(1.75, -0.9), (1.75, 0.9)][::-1], [(1.75, 0.9), (2.0, 0.9)][::-1], arc((1.55, 0), 1.05, -58, 58, 12), [(2.0, -0.9), (1.75, -0.9)][::-1])
     ring = scene.mesh("ring", band)
     for i in range(10):
@@ -532,14 +535,14 @@ def titanium():
         x = 5.9 * (i - 4.5)
         scene.place(plate, oxide, ("translate", x, 4.6, -3), ("rotate", 1, 0, 0, -38), name=f"plate-{nm}nm")
         scene.place(ring, oxide, ("translate", x, 0.9, 7), name=f"ring-{nm}nm")
-    felt = diffuse(scene, "felt", (0.10, 0.10, 0.11))
+    felt = diffuse(scene, "felt", (0.16, 0.16, 0.17))
     scene.place(scene.mesh("studio", backdrop(300, 60, 80, 25)), felt, ("translate", 0, 0, 40))
-    scene.softbox("front-box", (0, 62, 48), (0, 3, 0), 120, 14, (3.4, 3.4, 3.4))
-    scene.softbox("rear-box", (0, 60, 0), (0, 3, 0), 120, 12, (3.0, 3.0, 3.0))
+    scene.window("front-box", (0, 62, 50), (0, 3, 0), 130, 44, 1, 2, (2.2, 2.2, 2.2), bar=0.12)
+    scene.softbox("rear-box", (0, 60, -14), (0, 3, 0), 130, 20, (2, 2, 2))
     scene.softbox("side-box", (-70, 24, 30), (0, 3, 0), 30, 40, (2.5, 2.5, 2.5))
     scene.environment((0.10, 0.10, 0.11))
-    scene.camera((0, 34, 80), (0, 2.6, 0), 41, 2.25)
-    scene.render(1080, 480, spp=128, max_bounces=8)
+    scene.camera((0, 32, 80), (0, 2.4, 0.5), 42.5, 2.5)
+    scene.render(960, 384, spp=128, max_bounces=8, exposure_ev=0.2)
     scene.save("titanium")
 
 
@@ -561,14 +564,16 @@ def coated_glass():
     lens = scene.mesh("lens", lens_mesh(4, 11, 0.5))
     for i, (name, films) in enumerate(coatings):
         glass = scene.material(name, (0.9, 0.9, 0.9), f'<dielectric glass="BK7">{films}</dielectric>')
-        scene.place(lens, glass, ("translate", 9.4 * (i - 1.5), 4, 0), ("rotate", 0, 1, 0, -18), name=name + "-lens")
+        scene.place(lens, glass, ("translate", 10 * (i - 1.5), 4, 0), ("rotate", 0, 1, 0, -22), name=name + "-lens")
     white = diffuse(scene, "white", (0.8, 0.8, 0.8))
-    scene.place(scene.mesh("studio", backdrop(220, 90, 70, 30)), white, ("translate", 0, 0, 50))
-    scene.softbox("back-box", (12, 42, -34), (0, 0, 0), 44, 36, (4, 4, 4))
-    scene.window("window", (-34, 22, 42), (0, 4, 0), 30, 30, 2, 3, (1.5, 1.5, 1.5))
-    scene.environment((0.1, 0.1, 0.1))
-    scene.camera((0, 14, 52), (0, 3.0, 1), 38, 2)
-    scene.render(800, 400, spp=512, max_bounces=12)
+    scene.place(scene.mesh("floor", rectangle(220, 120)), white, ("translate", 0, 0, 30))
+    wall = diffuse(scene, "wall", (0.10, 0.11, 0.13))
+    scene.place(scene.mesh("wall-mesh", rectangle(300, 120)), wall, ("translate", 0, 50, -30), ("rotate", 1, 0, 0, 90))
+    scene.softbox("key", (-30, 44, 34), (0, 2, 0), 34, 34, (6, 6, 6))
+    scene.window("window", (34, 20, 46), (0, 4, 0), 26, 26, 2, 3, (1.2, 1.2, 1.2))
+    scene.environment((0.14, 0.14, 0.15))
+    scene.camera((0, 16, 54), (0, 2.6, 0), 40, 2)
+    scene.render(640, 320, spp=384, max_bounces=12, exposure_ev=0.2)
     scene.save("coated_glass")
 
 
