@@ -17,7 +17,6 @@ import zipfile
 import zlib
 
 FOLDER = pathlib.Path(__file__).resolve().parent
-GLOSSY = '<film thickness_nm="0" ior="1.5"/>'  # a bare interface over a diffuse base
 
 
 # Vectors
@@ -164,7 +163,8 @@ def globe(radius, columns=128, rows=64):
 def rectangle(width, depth):
     """Flat, in the xz plane, facing up."""
     x, z = width / 2, depth / 2
-    return [(-x, 0, z), (x, 0, z), (x, 0, -z), (-x, 0, -z)], [(0, 1, 0)] * 4, [(0, 0), (1, 0), (1, 1), (0, 1)], [(0, 1, 2), (0, 2, 3)]
+    corners = [(-x, 0, z), (x, 0, z), (x, 0, -z), (-x, 0, -z)]
+    return corners, [(0, 1, 0)] * 4, [(0, 0), (1, 0), (1, 1), (0, 1)], [(0, 1, 2), (0, 2, 3)]
 
 
 def backdrop(width, depth, height, bend):
@@ -237,7 +237,8 @@ class Scene:
     def mesh(self, name, mesh):
         positions, normals, uvs, triangles = mesh
         sources = self.source(name + "-p", "XYZ", positions) + self.source(name + "-n", "XYZ", normals)
-        inputs = f'<input semantic="VERTEX" source="#{name}-v" offset="0"/><input semantic="NORMAL" source="#{name}-n" offset="0"/>'
+        inputs = (f'<input semantic="VERTEX" source="#{name}-v" offset="0"/>'
+                  f'<input semantic="NORMAL" source="#{name}-n" offset="0"/>')
         if uvs:
             sources += self.source(name + "-t", "ST", uvs)
             inputs += f'<input semantic="TEXCOORD" source="#{name}-t" offset="0" set="0"/>'
@@ -256,7 +257,8 @@ class Scene:
                 f'</accessor></technique_common></source>\n')
 
     def sphere(self, name, radius):
-        self.geometries.append(f'<geometry id="{name}">{extra("CGL", f"<sphere><radius>{numbers([radius])}</radius></sphere>")}</geometry>')
+        ball = extra("CGL", f"<sphere><radius>{numbers([radius])}</radius></sphere>")
+        self.geometries.append(f'<geometry id="{name}">{ball}</geometry>')
         return name
 
     def node(self, name, content, *transforms):
@@ -265,8 +267,9 @@ class Scene:
         self.nodes.append(f'<node id="{name}">{moves}{content}</node>')
 
     def place(self, geometry, material, *transforms, name=None):
-        bind = f'<bind_material><technique_common><instance_material symbol="m" target="#{material}"/></technique_common></bind_material>'
-        self.node(name or geometry + "-node", f'<instance_geometry url="#{geometry}">{bind}</instance_geometry>', *transforms)
+        instance = (f'<instance_geometry url="#{geometry}"><bind_material><technique_common><instance_material symbol="m" '
+                    f'target="#{material}"/></technique_common></bind_material></instance_geometry>')
+        self.node(name or geometry + "-node", instance, *transforms)
 
     def ball(self, name, material, radius, *centre):
         self.place(self.sphere(name, radius), material, ("translate", *centre))
@@ -332,8 +335,8 @@ class Scene:
 
 
 def film(thickness_nm=None, varying="", **more):
-    return f'<film{attributes(thickness_nm=thickness_nm, **more)}>{varying}</film>' if varying else \
-        f"<film{attributes(thickness_nm=thickness_nm, **more)}/>"
+    """`varying`: a <noise>, <drain> or <map> element."""
+    return f"<film{attributes(thickness_nm=thickness_nm, **more)}>{varying}</film>"
 
 
 def diffuse(scene, name, color, films="", ior=None):
@@ -468,27 +471,30 @@ def oil():
     road = scene.material("wet-road", (0.03, 0.03, 0.03), f'<diffuse ior="1.33">{grit}{film(varying=varying, ior=1.47)}</diffuse>')
     scene.place(scene.mesh("road", rectangle(200, 200)), road, ("translate", 0, 0, -60))
     stone = diffuse(scene, "stone", (0.13, 0.125, 0.115))
-    scene.place(scene.mesh("kerb", pillow(70, 16, 60, 24, 160, 80)), stone, ("translate", -34, -2, -86), ("rotate", 0, 1, 0, 14))
+    scene.place(scene.mesh("kerb", pillow(70, 16, 60, 24)), stone, ("translate", -34, -2, -86), ("rotate", 0, 1, 0, 14))
     scene.place("kerb", stone, ("translate", 37.3, -2.2, -101), ("rotate", 0, 1, 0, 10), name="kerb-2")
     shades = ((0.10, 0.09, 0.085), (0.20, 0.17, 0.14), (0.06, 0.06, 0.065))
     wet = [diffuse(scene, f"pebble-{i}", shade, film(0, ior=1.33), ior=1.33) for i, shade in enumerate(shades)]
     draw = random.Random(5)
-    for i, (radius, x, z) in enumerate(((3.0, 13, -19), (1.7, 17.6, -15.5), (2.2, -16, -30), (1.1, -12.6, -27), (1.3, 25, -36), (0.8, 3, -6))):
+    pebbles = ((3.0, 13, -19), (1.7, 17.6, -15.5), (2.2, -16, -30), (1.1, -12.6, -27), (1.3, 25, -36), (0.8, 3, -6))
+    for i, (radius, x, z) in enumerate(pebbles):
         mesh = scene.mesh(f"stone-{i}", pebble(radius, 11 * i, 0.62))
         scene.place(mesh, wet[i % 3], ("translate", x, radius * 0.35, z), ("rotate", 0, 1, 0, draw.uniform(0, 360)))
     scene.softbox("bright-cloud", (-80, 190, 60), (0, 0, -30), 160, 160, (1.6, 1.6, 1.6))
     scene.environment((0.85, 0.92, 1.0))
     scene.camera((0, 26, 30), (0, 1, -24), 42, 1.5)
-    scene.render(720, 480, spp=128, max_bounces=6, exposure_ev=1.7)
+    scene.render(720, 480, spp=96, max_bounces=6, exposure_ev=1.7)
     scene.save("oil")
 
 
 def bauble_cap(scene):
     """The metal crown of a bauble, its ring included."""
-    crown = [(1.0, 0)] + [(1.0, 0.9)], [(1.0, 0.9), (0.9, 1.0), (0, 1.0)]
-    ring = [[(0.55 * math.cos(t) + 0.1 * math.cos(a) * math.cos(t), 1.45 + (0.55 + 0.1 * math.cos(a)) * math.sin(t), 0.1 * math.sin(a))
-             for t in [2 * math.pi * (i % 32) / 32 for i in range(33)]] for a in [-2 * math.pi * (j % 12) / 12 for j in range(13)]]
-    return scene.mesh("crown", joined([lathe(*crown, sides=48), smooth(ring)]))
+    crown = lathe([(1.0, 0), (1.0, 0.9)], [(1.0, 0.9), (0.9, 1.0), (0, 1.0)], sides=48)
+    wire = lambda t, r: (r * math.cos(t), 1.45 + r * math.sin(t))
+    turns = [2 * math.pi * (i % 32) / 32 for i in range(33)]
+    around = [-2 * math.pi * (i % 12) / 12 for i in range(13)]
+    ring = [[(*wire(t, 0.55 + 0.1 * math.cos(a)), 0.1 * math.sin(a)) for t in turns] for a in around]
+    return scene.mesh("crown", joined([crown, smooth(ring)]))
 
 
 def christmas_balls():
@@ -519,15 +525,16 @@ def christmas_balls():
     scene.softbox("ceiling", (0, 70, 20), (0, 0, 0), 120, 90, (0.75, 0.6, 0.42))
     scene.environment((0.05, 0.04, 0.03))
     scene.camera((0, 13.5, 45), (-0.8, 4.4, 0), 40, 1.5, lens='<lens aperture_radius_m="0.004" focus_distance_m="0.415"/>')
-    scene.render(720, 480, spp=256, max_bounces=8, exposure_ev=0.7)
+    scene.render(600, 400, spp=128, max_bounces=8, exposure_ev=0.7)
     scene.save("christmas_balls")
 
 
 def titanium():
     scene = Scene("Anodised titanium: the same plate and ring under 20, 40, ... 200 nm of oxide")
-    plate = scene.mesh("plate", pillow(5.3, 11, 1.1, 4))
-    band = lathe([(1.75, -0.9), (1.75, 0.9)][::-1], [(1.75, 0.9), (2.0, 0.9)][::-1], arc((1.55, 0), 1.05, -58, 58, 12), [(2.0, -0.9), (1.75, -0.9)][::-1])
-    ring = scene.mesh("ring", band)
+    plate = scene.mesh("plate", pillow(5.3, 11, 1.1, 4, 64, 32))
+    outside = arc((1.55, 0), 1.05, -58, 58, 12)
+    inside = [(1.75, 0.9), (1.75, -0.9)]
+    ring = scene.mesh("ring", lathe([inside[1], (2.1, -0.9)], outside, [(2.1, 0.9), inside[0]], inside))
     for i in range(10):
         nm = 20 * (i + 1)
         oxide = scene.material(f"titanium-{nm}nm", (0.5, 0.5, 0.5),
@@ -560,7 +567,8 @@ def lens_mesh(radius, curve, edge):
 def coated_glass():
     scene = Scene("Glass lenses: bare, with an antireflection film, and with dichroic stacks that split white light in two")
     stack = lambda nm: film(nm / 10, material="TiO2") + film(nm / 5.84, material="SiO2") + film(nm / 10, material="TiO2")
-    coatings = (("bare", ""), ("antireflection", film(100, material="MgF2")), ("dichroic-gold", stack(610)), ("dichroic-blue", stack(450)))
+    coatings = (("bare", ""), ("antireflection", film(100, material="MgF2")),
+                ("dichroic-gold", stack(610)), ("dichroic-blue", stack(450)))
     lens = scene.mesh("lens", lens_mesh(4, 11, 0.5))
     for i, (name, films) in enumerate(coatings):
         glass = scene.material(name, (0.9, 0.9, 0.9), f'<dielectric glass="BK7">{films}</dielectric>')
@@ -573,7 +581,7 @@ def coated_glass():
     scene.window("window", (34, 20, 46), (0, 4, 0), 26, 26, 2, 3, (1.2, 1.2, 1.2))
     scene.environment((0.14, 0.14, 0.15))
     scene.camera((0, 16, 54), (0, 2.6, 0), 40, 2)
-    scene.render(640, 320, spp=384, max_bounces=12, exposure_ev=0.2)
+    scene.render(640, 320, spp=256, max_bounces=12, exposure_ev=0.2)
     scene.save("coated_glass")
 
 
