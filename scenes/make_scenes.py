@@ -1,0 +1,602 @@
+#!/usr/bin/env python3
+"""Writes every scene of this folder. Plain Python 3, no options, same bytes every time.
+
+    python3 make_scenes.py              all scenes, beside this file
+    python3 make_scenes.py bubbles oil  only these
+
+Lengths are centimetres, y is up. Thicknesses are nanometres.
+"""
+
+import functools
+import math
+import pathlib
+import random
+import struct
+import sys
+import zipfile
+import zlib
+
+FOLDER = pathlib.Path(__file__).resolve().parent
+
+
+# Vectors
+
+def add(a, b):
+    return tuple(x + y for x, y in zip(a, b))
+
+
+def sub(a, b):
+    return tuple(x - y for x, y in zip(a, b))
+
+
+def scaled(a, s):
+    return tuple(x * s for x in a)
+
+
+def cross(a, b):
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
+def unit(a):
+    length = math.sqrt(sum(x * x for x in a))
+    return scaled(a, 1 / length) if length else a
+
+
+def mix(a, b, t):
+    return a + (b - a) * t
+
+
+def smoothstep(low, high, x):
+    t = min(max((x - low) / (high - low), 0), 1)
+    return t * t * (3 - 2 * t)
+
+
+def numbers(values, digits=4):
+    """Numbers as short text: no trailing zeros, no minus zero."""
+    return " ".join("%g" % (round(x, digits) + 0.0) for x in values)
+
+
+# Noise
+
+@functools.lru_cache(maxsize=1 << 18)
+def lattice(x, y, z, seed):
+    """A repeatable number in [-1, 1] for a lattice point."""
+    h = (x * 374761393 + y * 668265263 + z * 2147483647 + seed * 974634777) & 0xFFFFFFFF
+    h = ((h ^ (h >> 13)) * 1274126177) & 0xFFFFFFFF
+    h = ((h ^ (h >> 16)) * 2246822519) & 0xFFFFFFFF
+    return ((h ^ (h >> 15)) & 0xFFFF) / 32767.5 - 1
+
+
+def noise(p, seed=0):
+    """Smooth value noise in [-1, 1] at a 3-D point."""
+    x, y, z = math.floor(p[0]), math.floor(p[1]), math.floor(p[2])
+    u, v, w = p[0] - x, p[1] - y, p[2] - z
+    u, v, w = u * u * (3 - 2 * u), v * v * (3 - 2 * v), w * w * (3 - 2 * w)
+    row = lambda j, k: mix(lattice(x, y + j, z + k, seed), lattice(x + 1, y + j, z + k, seed), u)
+    return mix(mix(row(0, 0), row(1, 0), v), mix(row(0, 1), row(1, 1), v), w)
+
+
+def fractal(p, octaves, seed=0):
+    """Octaves of noise, each twice as fine and half as strong as the one before."""
+    return sum(noise(scaled(p, 2 ** i), seed + i) / 2 ** i for i in range(octaves))
+
+
+def swirled(p, strength, octaves, seed):
+    """Fractal noise at a point that other noise has pushed aside: the look of stirred liquid."""
+    push = [strength * fractal(p, 3, seed + 10 * axis) for axis in (1, 2, 3)]
+    return fractal(add(p, push), octaves, seed)
+
+
+# Meshes: (positions, normals, texture coordinates or [], triangles)
+
+def smooth(rows, normal=None):
+    """A surface through a grid of points. Equal points are welded, so closed directions and poles need no care.
+    Counter-clockwise seen from outside means: along a row, then to the next row."""
+    index, positions, triangles = {}, [], []
+    for row in rows:
+        for point in row:
+            key = tuple(round(x, 5) + 0.0 for x in point)
+            if key not in index:
+                index[key] = len(positions)
+                positions.append(key)
+    ids = [[index[tuple(round(x, 5) + 0.0 for x in point)] for point in row] for row in rows]
+    for low, high in zip(ids, ids[1:]):
+        for a, b, c, d in zip(low, low[1:], high[1:], high):
+            triangles += [t for t in ((a, b, c), (a, c, d)) if len(set(t)) == 3]
+    if normal:
+        return positions, [unit(normal(p)) for p in positions], [], triangles
+    sums = [(0, 0, 0)] * len(positions)
+    for t in triangles:
+        a, b, c = (positions[i] for i in t)
+        face = cross(sub(b, a), sub(c, a))
+        for i in t:
+            sums[i] = add(sums[i], face)
+    return positions, [unit(s) for s in sums], [], triangles
+
+
+def joined(meshes):
+    """Several meshes as one, edges between them staying sharp."""
+    positions, normals, triangles = [], [], []
+    for mesh in meshes:
+        triangles += [tuple(i + len(positions) for i in t) for t in mesh[3]]
+        positions += mesh[0]
+        normals += mesh[1]
+    return positions, normals, [], triangles
+
+
+def lathe(*profiles, sides=96):
+    """Profiles of (radius, height), upwards on the outside, turned about y; an edge is sharp between two profiles."""
+    turns = [-2 * math.pi * (i % sides) / sides for i in range(sides + 1)]
+    ring = lambda r, y: [(r * math.cos(t), y, r * math.sin(t)) for t in turns]
+    return joined([smooth([ring(r, y) for r, y in profile]) for profile in profiles])
+
+
+def arc(centre, radius, start_deg, end_deg, steps):
+    """Points on a circle in the plane, for profiles."""
+    angles = [math.radians(mix(start_deg, end_deg, i / steps)) for i in range(steps + 1)]
+    return [(centre[0] + radius * math.cos(a), centre[1] + radius * math.sin(a)) for a in angles]
+
+
+def cap(radius, angle_deg, rings=64, sides=160):
+    """The part of a sphere about the origin within an angle of +y."""
+    profile = [(max(r, 0), y) for r, y in arc((0, 0), radius, 90 - angle_deg, 90, rings)]
+    turns = [-2 * math.pi * (i % sides) / sides for i in range(sides + 1)]
+    return smooth([[(r * math.cos(t), y, r * math.sin(t)) for t in turns] for r, y in profile], normal=lambda p: p)
+
+
+def globe(radius, columns=128, rows=64):
+    """A sphere with texture coordinates: u around y, v from bottom to top."""
+    directions, uvs, triangles = [], [], []
+    for j in range(rows + 1):
+        for i in range(columns + 1):
+            polar, turn = math.pi * j / rows, -2 * math.pi * (i % columns) / columns
+            directions.append((math.sin(polar) * math.cos(turn), -math.cos(polar), math.sin(polar) * math.sin(turn)))
+            uvs.append((i / columns, j / rows))
+    for j in range(rows):
+        for i in range(columns):
+            a = j * (columns + 1) + i
+            c = a + columns + 2
+            triangles += ([] if j == 0 else [(a, a + 1, c)]) + ([] if j == rows - 1 else [(a, c, c - 1)])
+    return [scaled(d, radius) for d in directions], directions, uvs, triangles
+
+
+def rectangle(width, depth):
+    """Flat, in the xz plane, facing up."""
+    x, z = width / 2, depth / 2
+    corners = [(-x, 0, z), (x, 0, z), (x, 0, -z), (-x, 0, -z)]
+    return corners, [(0, 1, 0)] * 4, [(0, 0), (1, 0), (1, 1), (0, 1)], [(0, 1, 2), (0, 2, 3)]
+
+
+def backdrop(width, depth, height, bend):
+    """A floor that curves up into a wall, as in a photographer's studio."""
+    curve = [(0, 0)] + arc((depth - bend, bend), bend, -90, 0, 24) + [(depth, height)]
+    return smooth([[(-width / 2, y, -z), (width / 2, y, -z)] for z, y in curve])
+
+
+def pillow(width, height, depth, power, columns=96, rows=48):
+    """A box rounded to |x|^power + |y|^power + |z|^power = 1: 2 is an ellipsoid, more comes nearer to the box."""
+    halves = (width / 2, height / 2, depth / 2)
+    directions, uvs, triangles = globe(1, columns, rows)[1:]
+    points = [scaled(d, sum(abs(x) ** power for x in d) ** (-1 / power)) for d in directions]
+    slope = lambda x, half: math.copysign(abs(x) ** (power - 1), x) / half
+    normals = [unit(tuple(map(slope, p, halves))) for p in points]
+    return [tuple(x * half for x, half in zip(p, halves)) for p in points], normals, uvs, triangles
+
+
+def pebble(radius, seed, squash, columns=48, rows=24):
+    """A rounded stone resting near y = 0."""
+    def point(direction):
+        bump = 1 + 0.22 * noise(scaled(direction, 1.3), seed) + 0.05 * fractal(scaled(direction, 4), 3, seed + 5)
+        x, y, z = scaled(direction, radius * bump)
+        return x, y * squash, z
+    directions = globe(1, columns, rows)[1]
+    per_row = columns + 1
+    return smooth([[point(d) for d in directions[j * per_row:(j + 1) * per_row]] for j in range(rows + 1)])
+
+
+# Files
+
+def png(width, height, value, bits=16):
+    """A grey picture of value(u, v) in 0..1; v runs upwards."""
+    white, layout = (65535, ">%dH" % width) if bits == 16 else (255, "%dB" % width)
+    rows = []
+    for j in range(height):
+        texels = [round(white * min(max(value((i + 0.5) / width, 1 - (j + 0.5) / height), 0), 1)) for i in range(width)]
+        rows.append(b"\0" + struct.pack(layout, *texels))
+    chunk = lambda kind, data: struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    header = struct.pack(">IIBBBBB", width, height, bits, 0, 0, 0, 0)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(b"".join(rows), 9)) + chunk(b"IEND", b"")
+
+
+def attributes(**values):
+    """XML attributes; tuples become lists of numbers, None is left out."""
+    text = lambda v: numbers(v) if isinstance(v, tuple) else "%g" % v if isinstance(v, (int, float)) else v
+    return "".join(f' {name}="{text(value)}"' for name, value in values.items() if value is not None)
+
+
+def extra(profile, content):
+    return f'<extra><technique profile="{profile}">{content}</technique></extra>'
+
+
+class Scene:
+    """Collects the libraries of a COLLADA document."""
+
+    def __init__(self, title):
+        self.title = title
+        self.cameras, self.lights, self.effects, self.materials, self.geometries, self.nodes = ([] for _ in range(6))
+        self.surroundings = self.hints = ""
+
+    def material(self, name, color, base):
+        """`base`: the element of our profile; `color`: what other COLLADA readers show."""
+        common = f"<lambert><diffuse><color>{numbers(color)} 1</color></diffuse></lambert>"
+        self.effects.append(f'<effect id="{name}-fx"><profile_COMMON><technique sid="common">{common}</technique>'
+                            f'</profile_COMMON>{extra("pellicle", base)}</effect>')
+        self.materials.append(f'<material id="{name}"><instance_effect url="#{name}-fx"/></material>')
+        return name
+
+    def mesh(self, name, mesh):
+        positions, normals, uvs, triangles = mesh
+        sources = self.source(name + "-p", "XYZ", positions) + self.source(name + "-n", "XYZ", normals)
+        inputs = (f'<input semantic="VERTEX" source="#{name}-v" offset="0"/>'
+                  f'<input semantic="NORMAL" source="#{name}-n" offset="0"/>')
+        if uvs:
+            sources += self.source(name + "-t", "ST", uvs)
+            inputs += f'<input semantic="TEXCOORD" source="#{name}-t" offset="0" set="0"/>'
+        indices = " ".join("%d %d %d" % t for t in triangles)
+        self.geometries.append(f'<geometry id="{name}"><mesh>{sources}<vertices id="{name}-v"><input semantic="POSITION" '
+                               f'source="#{name}-p"/></vertices>\n<triangles count="{len(triangles)}" material="m">{inputs}'
+                               f'<p>{indices}</p></triangles></mesh></geometry>')
+        return name
+
+    @staticmethod
+    def source(name, axes, rows):
+        values = " ".join(numbers(row) for row in rows)
+        params = "".join(f'<param name="{axis}" type="float"/>' for axis in axes)
+        return (f'<source id="{name}"><float_array id="{name}-a" count="{len(rows) * len(axes)}">{values}</float_array>'
+                f'<technique_common><accessor source="#{name}-a" count="{len(rows)}" stride="{len(axes)}">{params}'
+                f'</accessor></technique_common></source>\n')
+
+    def sphere(self, name, radius):
+        ball = extra("CGL", f"<sphere><radius>{numbers([radius])}</radius></sphere>")
+        self.geometries.append(f'<geometry id="{name}">{ball}</geometry>')
+        return name
+
+    def node(self, name, content, *transforms):
+        """`transforms`: ("translate", x, y, z), ("rotate", x, y, z, degrees), ("scale", ...), ("lookat", ...)."""
+        moves = "".join(f"<{kind}>{numbers(values)}</{kind}>" for kind, *values in transforms)
+        self.nodes.append(f'<node id="{name}">{moves}{content}</node>')
+
+    def place(self, geometry, material, *transforms, name=None):
+        instance = (f'<instance_geometry url="#{geometry}"><bind_material><technique_common><instance_material symbol="m" '
+                    f'target="#{material}"/></technique_common></bind_material></instance_geometry>')
+        self.node(name or geometry + "-node", instance, *transforms)
+
+    def ball(self, name, material, radius, *centre):
+        self.place(self.sphere(name, radius), material, ("translate", *centre))
+
+    def camera(self, eye, target, xfov, aspect, lens=""):
+        self.cameras.append(f'<camera id="camera"><optics><technique_common><perspective><xfov>{xfov:g}</xfov><aspect_ratio>'
+                            f'{aspect:.5g}</aspect_ratio><znear>0.1</znear><zfar>10000</zfar></perspective></technique_common>'
+                            f'</optics>{lens and extra("pellicle", lens)}</camera>')
+        self.node("camera-node", '<instance_camera url="#camera"/>', ("lookat", *eye, *target, 0, 1, 0))
+
+    def softbox(self, name, centre, target, width, height, radiance, **more):
+        """A rectangular light that faces `target`."""
+        area = f'<area{attributes(shape="rectangle", radiance=radiance, **more)}/>'
+        common = f"<technique_common><point><color>{numbers(radiance)}</color></point></technique_common>"
+        self.lights.append(f'<light id="{name}">{common}{extra("pellicle", area)}</light>')
+        up = (0, 0, -1) if abs(unit(sub(target, centre))[1]) > 0.99 else (0, 1, 0)
+        self.node(name + "-node", f'<instance_light url="#{name}"/>', ("lookat", *centre, *target, *up), ("scale", width, height, 1))
+
+    def window(self, name, centre, target, width, height, columns, rows, radiance, bar=0.08):
+        """A window of panes, the upper ones (sky) brighter than the lower ones (street)."""
+        z = unit(sub(centre, target))
+        x = unit(cross((0, 1, 0), z))
+        y = cross(z, x)
+        for j in range(rows):
+            for i in range(columns):
+                offset = add(scaled(x, width * ((i + 0.5) / columns - 0.5)), scaled(y, height * ((j + 0.5) / rows - 0.5)))
+                pane = add(centre, offset)
+                glow = scaled(radiance, 0.55 + 0.45 * (j + 1) / rows)
+                self.softbox(f"{name}-{i}{j}", pane, sub(pane, z), width / columns * (1 - bar), height / rows * (1 - bar), glow)
+
+    def environment(self, radiance, **more):
+        self.surroundings = extra("pellicle", f"<environment{attributes(radiance=radiance, **more)}/>")
+
+    def render(self, width, height, **hints):
+        self.hints = extra("pellicle", f"<render{attributes(width=width, height=height, **hints)}/>")
+
+    def xml(self):
+        date = "2026-11-22T00:00:00Z"
+        libraries = [("cameras", self.cameras), ("lights", self.lights), ("effects", self.effects),
+                     ("materials", self.materials), ("geometries", self.geometries)]
+        lines = ['<?xml version="1.0" encoding="utf-8"?>', f"<!-- {self.title} -->",
+                 '<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">',
+                 f"<asset><contributor><authoring_tool>make_scenes.py</authoring_tool></contributor><created>{date}</created>"
+                 f'<modified>{date}</modified><unit name="centimeter" meter="0.01"/><up_axis>Y_UP</up_axis></asset>']
+        for name, items in libraries:
+            if items:
+                lines += [f"<library_{name}>", *items, f"</library_{name}>"]
+        lines += ['<library_visual_scenes><visual_scene id="scene">', *self.nodes, self.surroundings,
+                  "</visual_scene></library_visual_scenes>",
+                  f'<scene><instance_visual_scene url="#scene"/>{self.hints}</scene>', "</COLLADA>", ""]
+        return "\n".join(line for line in lines if line or line is lines[-1])
+
+    def save(self, name):
+        (FOLDER / f"{name}.dae").write_text(self.xml(), encoding="utf-8")
+
+    def save_packed(self, name):
+        manifest = f'<?xml version="1.0" encoding="utf-8"?>\n<dae_root>{name}.dae</dae_root>\n'
+        with zipfile.ZipFile(FOLDER / f"{name}.zae", "w") as archive:
+            for member, text in (("manifest.xml", manifest), (f"{name}.dae", self.xml())):
+                info = zipfile.ZipInfo(member, date_time=(2026, 11, 22, 0, 0, 0))
+                info.compress_type, info.create_system = zipfile.ZIP_DEFLATED, 3
+                archive.writestr(info, text.encode("utf-8"), compresslevel=9)
+
+
+def film(thickness_nm=None, varying="", **more):
+    """`varying`: a <noise>, <drain> or <map> element."""
+    return f"<film{attributes(thickness_nm=thickness_nm, **more)}>{varying}</film>"
+
+
+def diffuse(scene, name, color, films="", ior=None):
+    return scene.material(name, color, f"<diffuse{attributes(reflectance=color, ior=ior)}>{films}</diffuse>")
+
+
+# The scenes
+
+def knot_point(t, a):
+    """A (2, 3) torus knot whose tube is a rope of three strands, wound with fine thread."""
+    def spine(t):
+        r = 1 + 0.42 * math.cos(3 * t)
+        return (r * math.cos(2 * t), r * math.sin(2 * t), 0.52 * math.sin(3 * t))
+    centre = spine(t)
+    along = unit(sub(spine(t + 1e-4), spine(t - 1e-4)))
+    side = unit(cross((math.cos(2 * t), math.sin(2 * t), 0), along))
+    up = cross(along, side)
+    strands = abs(math.cos(1.5 * a + 18 * t)) ** 0.7
+    thread = math.cos(150 * t - 6 * a)
+    radius = 0.235 + 0.075 * strands + 0.006 * thread * strands
+    return add(centre, add(scaled(side, radius * math.cos(a)), scaled(up, radius * math.sin(a))))
+
+
+def gold_knot():
+    scene = Scene("Gold under a 550 nm film of index 1.33 that varies by 1/40, in a white Cornell box: "
+                  "after the coated gold dragon of the 2020 report")
+    white = diffuse(scene, "white", (0.73, 0.73, 0.73))
+    varying = f"<noise{attributes(amplitude=0.025, frequency=2.5)}/>"
+    gold = scene.material("gold", (1, 0.77, 0.34), f'<conductor metal="Au" roughness="0.2">{film(550, varying, ior=1.33)}</conductor>')
+    wall = scene.mesh("wall", rectangle(55.6, 55.6))
+    half = 27.8
+    for name, *moves in (("floor",), ("ceiling", ("translate", 0, 2 * half, 0), ("rotate", 1, 0, 0, 180)),
+                         ("back", ("translate", 0, half, -half), ("rotate", 1, 0, 0, 90)),
+                         ("left", ("translate", -half, half, 0), ("rotate", 0, 0, 1, -90)),
+                         ("right", ("translate", half, half, 0), ("rotate", 0, 0, 1, 90))):
+        scene.place(wall, white, *moves, name=name)
+    scene.softbox("light", (0, 2 * half - 0.1, 0), (0, 0, 0), 13, 10.5, (15, 15, 15))
+    around, along = 40, 720
+    rows = [[knot_point(2 * math.pi * (i % along) / along, 2 * math.pi * (j % around) / around) for j in range(around + 1)]
+            for i in range(along + 1)]
+    knot = scene.mesh("knot", smooth([[scaled(p, 11.5) for p in row] for row in rows]))
+    scene.place(knot, gold, ("translate", 0, 16.6, 2), ("rotate", 0, 1, 0, 24), ("rotate", 0, 0, 1, 90))
+    scene.camera((0, half, 107.8), (0, half, 0), 38, 1)
+    scene.render(480, 480, spp=192, max_bounces=12, exposure_ev=0.8)
+    scene.save_packed("gold_knot")
+
+
+def soap(scene, name, top_nm, bottom_nm, exponent=1.0):
+    """A soap film in air that has drained downwards."""
+    drained = f"<drain{attributes(top_nm=top_nm, bottom_nm=bottom_nm, exponent=exponent)}/>"
+    return scene.material(name, (0.8, 0.85, 0.9), f'<dielectric ior="1">{film(varying=drained, ior=1.33)}</dielectric>')
+
+
+def stirred_thickness(u, v):
+    """Thickness over a bubble: drained, and still swirling from when it was blown; 0..1 of the map's range."""
+    turn, polar = 2 * math.pi * u, math.pi * v
+    p = (math.sin(polar) * math.cos(turn), -math.cos(polar), math.sin(polar) * math.sin(turn))
+    stir = swirled((2.2 * p[0], 3.6 * p[1], 2.2 * p[2]), 0.9, 5, 3)
+    fallen = 0.5 - 0.5 * p[1]
+    return fallen ** 0.9 + 0.16 * stir * math.sin(math.pi * min(max(fallen, 0), 1)) ** 0.7
+
+
+def double_bubble(scene, a, b, centre, turn_deg, tilt_deg):
+    """Two bubbles of radii a > b with a wall between them; films meet at 120 degrees, as Plateau found."""
+    wall = a * b / (a - b)
+    apart = math.sqrt(a * a + b * b - a * b)
+    plane = (apart * apart + a * a - b * b) / (2 * apart)
+    ring = math.sqrt(a * a - plane * plane)
+    pose = (("translate", *centre), ("rotate", 0, 1, 0, turn_deg), ("rotate", 0, 0, 1, tilt_deg))
+    wall_centre = plane + math.sqrt(wall * wall - ring * ring)
+    angle = lambda x, y: math.degrees(math.atan2(y, x))
+    parts = (("large", a, 0, angle(-plane, ring), ("rotate", 0, 0, 1, 90), (90, 640)),
+             ("small", b, apart, angle(plane - apart, ring), ("rotate", 0, 0, 1, -90), (140, 820)),
+             ("wall", wall, wall_centre, angle(wall_centre - plane, ring), ("rotate", 0, 0, 1, 90), (180, 560)))
+    for name, radius, x, cap_deg, axis, (top, bottom) in parts:
+        mesh = scene.mesh(f"double-{name}", cap(radius, cap_deg, 48, 128))
+        scene.place(mesh, soap(scene, f"soap-{name}", top, bottom), *pose, ("translate", x, 0, 0), axis)
+
+
+def bright_room(u, v):
+    """What lies around the bubbles: bright above and behind the camera, a faint glow behind the bubbles, dark below."""
+    turn, rise = 2 * math.pi * u, math.pi * (v - 0.5)
+    front = -math.cos(turn) * math.cos(rise)  # 1 behind the camera, which looks along -z
+    sky = smoothstep(-0.05, 0.75, rise) * mix(0.10, 1, smoothstep(-0.8, 0.7, front))
+    glow = math.exp(-9 * (turn - 2 * math.pi * round(u)) ** 2 - 14 * (rise - 0.06) ** 2)
+    return 0.006 + 0.9 * sky + 0.028 * glow
+
+
+def bubbles():
+    scene = Scene("Soap bubbles by two windows: drained films in air, thin at the top and thick at the bottom")
+    (FOLDER / "bubble_thickness.png").write_bytes(png(512, 256, stirred_thickness))
+    swirl = '<map image="bubble_thickness.png" min_nm="60" max_nm="780"/>'
+    hero = scene.material("soap-hero", (0.8, 0.85, 0.9), f'<dielectric ior="1">{film(varying=swirl, ior=1.33)}</dielectric>')
+    scene.place(scene.mesh("hero", globe(6.4, 112, 56)), hero, ("translate", -4.6, 13.6, 0), ("rotate", 0, 1, 0, 70))
+    double_bubble(scene, 4.4, 3.1, (7.4, 11.6, 1.0), -25, 34)
+    scene.place(scene.mesh("dome", cap(4.6, 90, 40, 128)), soap(scene, "soap-dome", 100, 900, 1.2), ("translate", 1.6, 0, 3.0))
+    free = (("a", 2.3, -13.4, 9.0, 2, 100, 600), ("b", 1.5, 4.4, 19.6, -2, 150, 750), ("c", 1.1, -12.8, 16.9, -3, 120, 520),
+            ("d", 2.7, -7.6, 4.6, 2, 80, 700), ("e", 0.8, 13.3, 18.6, 1, 200, 600), ("f", 1.8, 11.6, 4.6, -2, 110, 860))
+    for name, radius, x, y, z, top, bottom in free:
+        scene.ball(f"bubble-{name}", soap(scene, f"soap-{name}", top, bottom), radius, x, y, z)
+    table = diffuse(scene, "table", (0.004, 0.005, 0.007), film(0, ior=1.33), ior=1.33)
+    scene.place(scene.mesh("table-top", rectangle(6000, 6000)), table)
+    scene.window("window-left", (-75, 42, 50), (0, 10, 0), 64, 70, 2, 3, (7, 7.5, 8.2))
+    scene.window("window-right", (95, 40, 12), (0, 12, 0), 46, 64, 2, 3, (4.5, 4.7, 5.2))
+    (FOLDER / "bubbles_room.png").write_bytes(png(256, 128, bright_room))
+    scene.environment((0.95, 1.03, 1.15), image="bubbles_room.png")
+    scene.camera((0, 12.5, 64), (0, 8.9, 0), 33, 1.5, lens='<lens aperture_radius_m="0.007" focus_distance_m="0.625"/>')
+    scene.render(720, 480, spp=192, max_bounces=16, exposure_ev=1)
+    scene.save("bubbles")
+
+
+def oil_thickness(u, v):
+    """Puddles of oil that thin out towards their rims; 0..1 of the map's range."""
+    p = (11 * u, 11 * v, 0.5)
+    spread = swirled(p, 0.8, 3, 21)
+    stir = swirled(scaled(p, 1.7), 1.4, 4, 57)
+    return smoothstep(-0.5, 1.2, spread) * (0.8 + 0.45 * stir)
+
+
+def asphalt(u, v):
+    """Grit of stones between which the tar is dark; sRGB values."""
+    grit = noise((420 * u, 420 * v, 0), 3) + 0.6 * noise((190 * u, 190 * v, 0), 4)
+    return 0.10 + 0.16 * smoothstep(-0.2, 0.9, grit) + 0.05 * noise((14 * u, 14 * v, 0), 5)
+
+
+def oil():
+    scene = Scene("Oil on a wet road under an overcast sky: a film whose thickness is drawn in a picture")
+    (FOLDER / "oil_thickness.png").write_bytes(png(512, 512, oil_thickness))
+    (FOLDER / "asphalt.png").write_bytes(png(512, 512, asphalt, bits=8))
+    varying = '<map image="oil_thickness.png" min_nm="0" max_nm="900"/>'
+    grit = '<map for="reflectance" image="asphalt.png"/>'
+    road = scene.material("wet-road", (0.03, 0.03, 0.03), f'<diffuse ior="1.33">{grit}{film(varying=varying, ior=1.47)}</diffuse>')
+    scene.place(scene.mesh("road", rectangle(200, 200)), road, ("translate", 0, 0, -60))
+    stone = diffuse(scene, "stone", (0.13, 0.125, 0.115))
+    scene.place(scene.mesh("kerb", pillow(70, 16, 60, 24)), stone, ("translate", -34, -2, -86), ("rotate", 0, 1, 0, 14))
+    scene.place("kerb", stone, ("translate", 37.3, -2.2, -101), ("rotate", 0, 1, 0, 10), name="kerb-2")
+    shades = ((0.10, 0.09, 0.085), (0.20, 0.17, 0.14), (0.06, 0.06, 0.065))
+    wet = [diffuse(scene, f"pebble-{i}", shade, film(0, ior=1.33), ior=1.33) for i, shade in enumerate(shades)]
+    draw = random.Random(5)
+    pebbles = ((3.0, 13, -19), (1.7, 17.6, -15.5), (2.2, -16, -30), (1.1, -12.6, -27), (1.3, 25, -36), (0.8, 3, -6))
+    for i, (radius, x, z) in enumerate(pebbles):
+        mesh = scene.mesh(f"stone-{i}", pebble(radius, 11 * i, 0.62))
+        scene.place(mesh, wet[i % 3], ("translate", x, radius * 0.35, z), ("rotate", 0, 1, 0, draw.uniform(0, 360)))
+    scene.softbox("bright-cloud", (-80, 190, 60), (0, 0, -30), 160, 160, (1.6, 1.6, 1.6))
+    scene.environment((0.85, 0.92, 1.0))
+    scene.camera((0, 26, 30), (0, 1, -24), 42, 1.5)
+    scene.render(720, 480, spp=96, max_bounces=6, exposure_ev=1.7)
+    scene.save("oil")
+
+
+def bauble_cap(scene):
+    """The metal crown of a bauble, its ring included."""
+    crown = lathe([(1.0, 0), (1.0, 0.9)], [(1.0, 0.9), (0.9, 1.0), (0, 1.0)], sides=48)
+    wire = lambda t, r: (r * math.cos(t), 1.45 + r * math.sin(t))
+    turns = [2 * math.pi * (i % 32) / 32 for i in range(33)]
+    around = [-2 * math.pi * (i % 12) / 12 for i in range(13)]
+    ring = [[(*wire(t, 0.55 + 0.1 * math.cos(a)), 0.1 * math.sin(a)) for t in turns] for a in around]
+    return scene.mesh("crown", joined([crown, smooth(ring)]))
+
+
+def christmas_balls():
+    scene = Scene("Christmas balls: coloured lacquer under a film of index 2.2, 80 to 300 nm")
+    silver = scene.material("silver", (0.8, 0.8, 0.8), '<conductor metal="Ag" roughness="0.18"/>')
+    crown = bauble_cap(scene)
+    balls = ((5.0, -9.8, 0.5, 25, 80, (0.55, 0.02, 0.03)), (6.0, 1.2, -3.5, -10, 140, (0.02, 0.10, 0.30)),
+             (4.4, 11.4, 0.5, 40, 200, (0.02, 0.22, 0.06)), (3.2, -3.3, 7.2, -60, 250, (0.5, 0.24, 0.02)),
+             (3.6, 5.9, 7.6, 75, 300, (0.22, 0.02, 0.24)), (2.9, -12.9, 7.2, 50, 110, (0.45, 0.45, 0.45)))
+    for i, (radius, x, z, tilt, nm, color) in enumerate(balls):
+        swirl = f"<noise{attributes(amplitude=0.12, frequency=0.22, octaves=2, seed=i)}/>"
+        lacquer = diffuse(scene, f"lacquer-{i}", color, film(nm, swirl, ior=2.2), ior=1.5)
+        scene.ball(f"ball-{i}", lacquer, radius, x, radius, z)
+        size = 0.17 * radius
+        scene.place(crown, silver, ("translate", x, radius, z), ("rotate", 0, 1, 0, 3 * tilt), ("rotate", 0, 0, 1, tilt),
+                    ("translate", 0, 0.975 * radius, 0), ("scale", size, size, size), name=f"crown-{i}")
+    table = diffuse(scene, "table", (0.16, 0.075, 0.035), film(0, ior=1.5))
+    scene.place(scene.mesh("table-top", rectangle(160, 70)), table, ("translate", 0, 0, 5))
+    wall = diffuse(scene, "wall", (0.10, 0.055, 0.04))
+    scene.place(scene.mesh("wall-mesh", rectangle(260, 120)), wall, ("translate", 0, 30, -60), ("rotate", 1, 0, 0, 90))
+    glow = scene.material("fairy", (1, 0.7, 0.3), '<emitter radiance="14 7.5 2.6"/>')
+    draw = random.Random(12)
+    for i in range(16):
+        x = mix(-34, 34, i / 15)
+        scene.ball(f"fairy-{i}", glow, 0.5, x + draw.uniform(-1.5, 1.5), 17 + 5 * math.cos(0.16 * x) + draw.uniform(-1.5, 1.5), -45)
+    scene.window("window", (-42, 38, 34), (0, 4, 0), 36, 36, 2, 2, (7.5, 6.1, 4.4))
+    scene.softbox("lamp", (36, 30, 10), (0, 4, 0), 16, 16, (9, 5.6, 2.8))
+    scene.softbox("ceiling", (0, 70, 20), (0, 0, 0), 120, 90, (0.75, 0.6, 0.42))
+    scene.environment((0.05, 0.04, 0.03))
+    scene.camera((0, 13.5, 45), (-0.8, 4.4, 0), 40, 1.5, lens='<lens aperture_radius_m="0.004" focus_distance_m="0.415"/>')
+    scene.render(600, 400, spp=128, max_bounces=8, exposure_ev=0.7)
+    scene.save("christmas_balls")
+
+
+def titanium():
+    scene = Scene("Anodised titanium: the same plate and ring under 20, 40, ... 200 nm of oxide")
+    plate = scene.mesh("plate", pillow(5.3, 11, 1.1, 4, 64, 32))
+    outside = arc((1.55, 0), 1.05, -58, 58, 12)
+    inside = [(1.75, 0.9), (1.75, -0.9)]
+    ring = scene.mesh("ring", lathe([inside[1], (2.1, -0.9)], outside, [(2.1, 0.9), inside[0]], inside))
+    for i in range(10):
+        nm = 20 * (i + 1)
+        oxide = scene.material(f"titanium-{nm}nm", (0.5, 0.5, 0.5),
+                               f'<conductor metal="Ti" roughness="0.15">{film(nm, material="TiO2")}</conductor>')
+        x = 5.9 * (i - 4.5)
+        scene.place(plate, oxide, ("translate", x, 4.6, -3), ("rotate", 1, 0, 0, -38), name=f"plate-{nm}nm")
+        scene.place(ring, oxide, ("translate", x, 0.9, 7), name=f"ring-{nm}nm")
+    felt = diffuse(scene, "felt", (0.16, 0.16, 0.17))
+    scene.place(scene.mesh("studio", backdrop(300, 60, 80, 25)), felt, ("translate", 0, 0, 40))
+    scene.window("front-box", (0, 62, 50), (0, 3, 0), 130, 44, 1, 2, (2.2, 2.2, 2.2), bar=0.12)
+    scene.softbox("rear-box", (0, 60, -14), (0, 3, 0), 130, 20, (2, 2, 2))
+    scene.softbox("side-box", (-70, 24, 30), (0, 3, 0), 30, 40, (2.5, 2.5, 2.5))
+    scene.environment((0.10, 0.10, 0.11))
+    scene.camera((0, 32, 80), (0, 2.4, 0.5), 42.5, 2.5)
+    scene.render(960, 384, spp=128, max_bounces=8, exposure_ev=0.2)
+    scene.save("titanium")
+
+
+def lens_mesh(radius, curve, edge):
+    """A biconvex lens about the z = 0 plane, standing upright on y = -radius."""
+    sag = curve - math.sqrt(curve * curve - radius * radius)
+    half_deg = math.degrees(math.asin(radius / curve))
+    lower = [(max(r, 0), y) for r, y in arc((0, curve - sag - edge / 2), curve, -90, half_deg - 90, 24)]
+    upper = [(max(r, 0), y) for r, y in arc((0, sag - curve + edge / 2), curve, 90 - half_deg, 90, 24)]
+    positions, normals, uvs, triangles = lathe(lower, [(radius, -edge / 2), (radius, edge / 2)], upper, sides=128)
+    turned = lambda p: (p[0], -p[2], p[1])
+    return [turned(p) for p in positions], [turned(n) for n in normals], uvs, triangles
+
+
+def coated_glass():
+    scene = Scene("Glass lenses: bare, with an antireflection film, and with dichroic stacks that split white light in two")
+    stack = lambda nm: film(nm / 10, material="TiO2") + film(nm / 5.84, material="SiO2") + film(nm / 10, material="TiO2")
+    coatings = (("bare", ""), ("antireflection", film(100, material="MgF2")),
+                ("dichroic-gold", stack(610)), ("dichroic-blue", stack(450)))
+    lens = scene.mesh("lens", lens_mesh(4, 11, 0.5))
+    for i, (name, films) in enumerate(coatings):
+        glass = scene.material(name, (0.9, 0.9, 0.9), f'<dielectric glass="BK7">{films}</dielectric>')
+        scene.place(lens, glass, ("translate", 10 * (i - 1.5), 4, 0), ("rotate", 0, 1, 0, -22), name=name + "-lens")
+    white = diffuse(scene, "white", (0.8, 0.8, 0.8))
+    scene.place(scene.mesh("floor", rectangle(220, 120)), white, ("translate", 0, 0, 30))
+    wall = diffuse(scene, "wall", (0.10, 0.11, 0.13))
+    scene.place(scene.mesh("wall-mesh", rectangle(300, 120)), wall, ("translate", 0, 50, -30), ("rotate", 1, 0, 0, 90))
+    scene.softbox("key", (-30, 44, 34), (0, 2, 0), 34, 34, (6, 6, 6))
+    scene.window("window", (34, 20, 46), (0, 4, 0), 26, 26, 2, 3, (1.2, 1.2, 1.2))
+    scene.environment((0.14, 0.14, 0.15))
+    scene.camera((0, 16, 54), (0, 2.6, 0), 40, 2)
+    scene.render(640, 320, spp=256, max_bounces=12, exposure_ev=0.2)
+    scene.save("coated_glass")
+
+
+SCENES = (gold_knot, bubbles, oil, christmas_balls, titanium, coated_glass)
+
+
+def main():
+    wanted = sys.argv[1:] or [scene.__name__ for scene in SCENES]
+    unknown = set(wanted) - {scene.__name__ for scene in SCENES}
+    if unknown:
+        sys.exit("no such scene: " + ", ".join(sorted(unknown)))
+    for scene in SCENES:
+        if scene.__name__ in wanted:
+            scene()
+            print("wrote", scene.__name__)
+
+
+main()
