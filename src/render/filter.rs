@@ -77,8 +77,9 @@ mod tests {
 
     #[test]
     fn filters_are_centred_and_as_wide_as_they_say() {
+        // Blackman-Harris over [-1, 1]: 1/3 - 2 (a1 - a2/4 + a3/9) / (pi^2 a0) = 0.0767, times the radius squared.
         for (filter, variance) in
-            [(Filter::Box, 1.0 / 12.0), (Filter::Gaussian, 0.243), (Filter::BlackmanHarris, 0.126)]
+            [(Filter::Box, 1.0 / 12.0), (Filter::Gaussian, 0.243), (Filter::BlackmanHarris, 0.0767 * RADIUS * RADIUS)]
         {
             let offsets: Vec<f32> = (0..10_000).map(|i| filter.sample((i as f32 + 0.5) / 10_000.0)).collect();
             let mean = offsets.iter().sum::<f32>() / 1e4;
