@@ -483,7 +483,7 @@ def oil():
     scene.softbox("bright-cloud", (-80, 190, 60), (0, 0, -30), 160, 160, (1.6, 1.6, 1.6))
     scene.environment((0.85, 0.92, 1.0))
     scene.camera((0, 26, 30), (0, 1, -24), 42, 1.5)
-    scene.render(720, 480, spp=96, max_bounces=6, exposure_ev=1.7)
+    scene.render(720, 480, spp=128, max_bounces=6, exposure_ev=1.7)
     scene.save("oil")
 
 
