@@ -4,8 +4,6 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
-use sha2::{Digest, Sha256};
-
 use super::stats::{FilmStats, Stats};
 use crate::document::{Document, Shape};
 use crate::error::Error;
@@ -108,7 +106,7 @@ impl<M: Mode> Prepared<M> {
         Stats {
             version: env!("CARGO_PKG_VERSION"),
             scene: document.path.display().to_string(),
-            scene_sha256: file_sha256(&document.path),
+            scene_sha256: document.sha256.clone(),
             width: frame.width,
             height: frame.height,
             spp: frame.spp,
@@ -180,10 +178,4 @@ fn triangles(document: &Document) -> u64 {
         Shape::Sphere { .. } => 0,
     };
     document.geometries.iter().map(|geometry| count(&geometry.shape)).sum()
-}
-
-/// Of the scene file's bytes, as hexadecimal; empty when it has gone.
-fn file_sha256(path: &Path) -> String {
-    let Ok(bytes) = std::fs::read(path) else { return String::new() };
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }

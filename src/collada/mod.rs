@@ -49,6 +49,8 @@ mod xml;
 
 use std::path::{Path, PathBuf};
 
+use sha2::{Digest, Sha256};
+
 use crate::document::Document;
 
 pub use error::{Place, SceneError};
@@ -126,10 +128,12 @@ pub enum MissingTexture {
 pub fn load(path: &Path, options: &LoadOptions) -> Result<(Document, Vec<Warning>), SceneError> {
     let whole_file = |message| SceneError { file: path.to_owned(), place: None, message, hint: None };
     let (package, bytes) = package::open(path, options.max_bytes).map_err(whole_file)?;
+    let sha256 = Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect();
     let source = encoding::decode(bytes).map_err(whole_file)?;
     let xml = xml::parse(source).map_err(|broken| broken.0.locate(path, &broken.1))?;
     let mut loader = loader::Loader::new(&xml, options, &package);
     loader.document.path = path.to_owned();
+    loader.document.sha256 = sha256;
     visual_scene::read(&mut loader).map_err(|fault| fault.locate(path, &xml))?;
     let warnings = loader.warnings.finish(path, &xml);
     Ok((loader.document, warnings))

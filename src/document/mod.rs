@@ -30,6 +30,8 @@ use glam::Mat4;
 pub struct Document {
     /// The file it came from, for messages.
     pub path: PathBuf,
+    /// SHA-256 of the text that was read, hexadecimal.
+    pub sha256: String,
     /// File space to world space: the `up_axis` rotation times the `<unit>` scale (uniform).
     pub to_world: Mat4,
     pub geometries: Vec<Geometry>,
