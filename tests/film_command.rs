@@ -3,8 +3,6 @@
 //! Own rows are in `tests/data/film`; the full tables are used where `../shared/film` (or `$PELLICLE_SHARED/film`) is
 //! present.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
 use std::collections::{BTreeSet, HashMap};
 use std::fs;
 use std::path::{Path, PathBuf};
