@@ -31,4 +31,6 @@ pub mod error;
 
 pub mod batch;
 
+pub mod study;
+
 pub mod cli;

@@ -8,6 +8,7 @@ mod cli; // the program as it is run: exit codes, messages, signals, full disks
 mod collada; // files load to what they say; bad ones give exactly the error that helps
 mod embree; // layouts and hits against closed forms
 mod film; // the optics against independent truth tables
+mod film_command; // `pellicle film` against the same tables; errors that help; drawings
 mod house; // the order of the rooms, where unsafe may be, files that stay readable
 mod output; // files are whole or absent
 mod statistics; // the tests' own tools

@@ -1,6 +1,7 @@
 //! The command line. The only room that prints.
 
 mod check;
+mod film;
 mod progress;
 mod render;
 mod scene_args;
@@ -26,6 +27,7 @@ struct Cli {
 enum Command {
     Render(render::RenderArgs),
     Check(check::CheckArgs),
+    Film(Box<film::FilmArgs>),
 }
 
 /// Runs the program: 0 when all is done, else the code that [`Error::exit_code`] documents.
@@ -34,6 +36,7 @@ pub fn main() -> ExitCode {
     let result = match cli.command {
         Command::Render(args) => render::run(&args),
         Command::Check(args) => check::run(&args),
+        Command::Film(args) => film::run(&args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -15,6 +15,6 @@ pub use cie::{MAX_NM, MIN_NM};
 pub use difference::{Lab, delta_e_2000};
 pub use emission::{Emission, Spectrum};
 pub use index::{CHANNEL_NM, Index, IndexCurve, IndexError, NOMINAL_NM};
-pub use named::{Kind, kind_of_index, known_index_names};
+pub use named::{Kind, kind_of_index, known_index_names, source_of_index};
 pub use sensor::Sensor;
 pub use uplift::{Uplift, UpliftLanes};

@@ -48,6 +48,11 @@ pub fn kind_of_index(name: &str) -> Option<Kind> {
     find(name).map(|table| table.kind)
 }
 
+/// Where the table of a known name comes from: its source line.
+pub fn source_of_index(name: &str) -> Option<&'static str> {
+    find(name)?.csv.lines().find_map(|line| line.strip_prefix("# source: "))
+}
+
 /// The measured curve; names are compared without regard to case.
 pub(super) fn curve(name: &str) -> Result<IndexCurve, IndexError> {
     let Some(table) = find(name) else {

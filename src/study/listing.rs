@@ -1,0 +1,28 @@
+//! The named refractive indices, for people to read.
+
+use std::fmt::Write;
+
+use crate::color::{Index, IndexError, Kind, kind_of_index, known_index_names, source_of_index};
+
+/// Every name with n and k at 550 nm and its source, by kind.
+///
+/// # Errors
+/// Never for the tables that the program carries.
+pub fn list_indices() -> Result<String, IndexError> {
+    let mut text = String::new();
+    for (kind, heading) in [
+        (Kind::Metal, "Metals and semiconductors"),
+        (Kind::Glass, "Glasses, crystals and liquids"),
+        (Kind::Film, "Coatings, oxides and biological layers"),
+    ] {
+        let gap = if text.is_empty() { "" } else { "\n" };
+        // Writing to a String cannot fail.
+        let _ = writeln!(text, "{gap}{heading:<40} n, k at 550 nm; source");
+        for &name in known_index_names().iter().filter(|name| kind_of_index(name) == Some(kind)) {
+            let index = Index::Named(name.to_owned()).curve()?.at(550.0);
+            let source = source_of_index(name).unwrap_or_default();
+            let _ = writeln!(text, "  {name:<16} {:>8.4} {:>8.4}  {source}", index.re, index.im);
+        }
+    }
+    Ok(text)
+}

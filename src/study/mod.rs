@@ -1,0 +1,23 @@
+//! Thin films on their own, without a scene to render: what a stack reflects and transmits, as numbers, swatches and plots.
+//!
+//! Wavelengths and thicknesses are in nm, angles in degrees from the normal in the medium that the light comes from.
+
+mod coating;
+mod colours;
+mod error;
+mod lettering;
+mod listing;
+mod medium;
+mod number;
+mod plot;
+mod spectra;
+mod swatch;
+
+pub use coating::Coating;
+pub use colours::{colour_csv, colour_rows};
+pub use error::StudyError;
+pub use listing::list_indices;
+pub use medium::Medium;
+pub use plot::{MOST_CURVES, PLOT_SIZE, plot};
+pub use spectra::spectra_csv;
+pub use swatch::{SWATCH_SIZE, SwatchPlan, swatch};
