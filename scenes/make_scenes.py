@@ -571,7 +571,7 @@ def coated_glass():
                 ("dichroic-gold", stack(610)), ("dichroic-blue", stack(450)))
     lens = scene.mesh("lens", lens_mesh(4, 11, 0.5))
     for i, (name, films) in enumerate(coatings):
-        glass = scene.material(name, (0.9, 0.9, 0.9), f'<dielectric glass="BK7">{films}</dielectric>')
+        glass = scene.material(name, (0.9, 0.9, 0.9), f'<dielectric ior="1.517">{films}</dielectric>')
         scene.place(lens, glass, ("translate", 10 * (i - 1.5), 4, 0), ("rotate", 0, 1, 0, -22), name=name + "-lens")
     white = diffuse(scene, "white", (0.8, 0.8, 0.8))
     scene.place(scene.mesh("floor", rectangle(220, 120)), white, ("translate", 0, 0, 30))
