@@ -259,7 +259,7 @@ fn rough_lossless_surfaces_keep_all_energy_but_a_little() {
             let albedo = albedo(case, wo, 16_384);
             let kept = luminance(albedo);
             // Nearly smooth surfaces lose only near grazing, and are left alone.
-            let tolerance = if case.alpha < 0.05 { 0.04 } else { 0.015 };
+            let tolerance = if case.alpha < 0.05 { 0.04 } else { 0.02 };
             assert!((kept - 1.0).abs() < tolerance, "{} from {wo}: {albedo:?}", case.name);
         }
     }
@@ -272,7 +272,7 @@ fn no_surface_creates_energy() {
             let albedo = albedo(case, wo, 4096);
             // Dielectrics share out what is missing by averages, and a rough sheet that does not bend light transmits by its
             // mean normal: not quite one sum.
-            let most = if matches!(case.kind, Kind::Dielectric { .. }) { 1.015 } else { 1.005 };
+            let most = if matches!(case.kind, Kind::Dielectric { .. }) { 1.02 } else { 1.005 };
             assert!((0.0..most).contains(&luminance(albedo)), "{} from {wo}: {albedo:?}", case.name);
         }
     }
