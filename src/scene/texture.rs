@@ -50,9 +50,7 @@ impl Texture {
             .map_err(|e| broken(e.to_string()))
             // TGA has no signature: go by the name.
             .and_then(|mut reader| {
-                if reader.format().is_none()
-                    && let Ok(format) = image::ImageFormat::from_path(&image.uri)
-                {
+                if let (None, Ok(format)) = (reader.format(), image::ImageFormat::from_path(&image.uri)) {
                     reader.set_format(format);
                 }
                 reader.decode().map_err(|e| broken(e.to_string()))
