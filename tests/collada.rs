@@ -187,7 +187,7 @@ fn lights_camera_and_hints_of_our_profile() {
     // 2 x 3 units of 0.1 m.
     let power = light(&document, "power");
     assert!(close(power.color, Vec3::splat(6.0 / (PI * 0.06))), "{}", power.color);
-    assert!(matches!(power.kind, LightKind::Area { shape: AreaShape::Rectangle, visible: false }));
+    assert!(matches!(power.kind, LightKind::Area { shape: AreaShape::Rectangle, presence: Presence::Hidden }));
     let dot = light(&document, "dot");
     // 2 per unit of 0.1 m.
     let falloff = Falloff::Attenuation { constant: 1.0, linear: 20.0, quadratic: 0.0 };

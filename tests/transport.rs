@@ -6,8 +6,8 @@ use glam::{Mat4, Vec3};
 use pellicle::color::{Emission, Index};
 use pellicle::document::{
     AreaShape, Base, Binding, Camera, Document, Environment, Falloff, Film, Geometry, Group, Item, Light, LightKind,
-    Material, Mesh, Microfacets, Node, Projection, Scalar, Shape, SurfaceEmission, Texture, Thickness, Tint, Transform,
-    TransformKind,
+    Material, Mesh, Microfacets, Node, Presence, Projection, Scalar, Shape, SurfaceEmission, Texture, Thickness, Tint,
+    Transform, TransformKind,
 };
 use pellicle::integrate::{PathLimits, Strategy};
 use pellicle::mode::{Mode, Rgb, Spectral};
@@ -221,19 +221,19 @@ fn lights_of_each_shape_give_the_irradiance_of_their_view_factor() {
         (AreaShape::Sphere, Vec3::splat(1.0), f64::from(0.5f32 * 0.5 / (h * h))),
     ];
     for (shape, scale, factor) in lights {
-        for visible in [true, false] {
+        for presence in [Presence::Solid, Presence::Ghost, Presence::Hidden] {
             // Everything is turned so that the camera looks along -z at the patch and the light hangs behind the camera.
             let mut scene = Builder::seen_from(Vec3::new(0.0, 0.0, 0.5), 0.2);
             let turned = Mat4::from_rotation_x(std::f32::consts::FRAC_PI_2);
             scene.geometry(turned, quad(4.0), diffuse(1.0));
             let place = Mat4::from_translation(Vec3::new(0.0, 0.0, h)) * Mat4::from_scale(scale);
-            scene.light(place, LightKind::Area { shape, visible }, Vec3::ONE);
+            scene.light(place, LightKind::Area { shape, presence }, Vec3::ONE);
             for strategy in [Strategy::Bsdf, Strategy::Light, Strategy::Mis] {
                 let (mean, error) = mean(&scene.render(4, 2048, 1, strategy, 2));
                 let slack = 4.0 * error + 2e-3 * factor;
                 assert!(
                     (mean - factor).abs() < slack,
-                    "{shape:?} {visible} {strategy:?}: {mean} +- {error} for {factor}"
+                    "{shape:?} {presence:?} {strategy:?}: {mean} +- {error} for {factor}"
                 );
             }
         }
@@ -251,7 +251,7 @@ fn crowded() -> Builder {
     scene.sphere(Vec3::new(0.0, 0.5, -1.0), 0.5, coated(diffuse(0.7), 2.2, 150.0));
     scene.sphere(Vec3::new(1.5, 2.2, 0.5), 0.3, shining(diffuse(0.0), 6.0));
     let down = Mat4::from_translation(Vec3::new(-0.5, 2.5, 0.0)) * Mat4::from_rotation_x(-std::f32::consts::FRAC_PI_2);
-    scene.light(down, LightKind::Area { shape: AreaShape::Rectangle, visible: true }, Vec3::splat(5.0));
+    scene.light(down, LightKind::Area { shape: AreaShape::Rectangle, presence: Presence::Solid }, Vec3::splat(5.0));
     scene.sky(0.3);
     scene
 }

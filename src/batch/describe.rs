@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crate::color::Index;
 use crate::document::{
-    AreaShape, Base, Document, Film, Item, Light, LightKind, Material, Projection, Shape, Thickness,
+    AreaShape, Base, Document, Film, Item, Light, LightKind, Material, Presence, Projection, Shape, Thickness,
 };
 use crate::error::Error;
 use crate::mode::Rgb;
@@ -151,13 +151,18 @@ fn layer(film: &Film) -> String {
 fn light_kind(light: &Light) -> String {
     let color = light.color;
     match light.kind {
-        LightKind::Area { shape, visible } => {
+        LightKind::Area { shape, presence } => {
             let shape = match shape {
                 AreaShape::Rectangle => "rectangle",
                 AreaShape::Disk => "disk",
                 AreaShape::Sphere => "sphere",
             };
-            format!("area {shape}, radiance {color}{}", if visible { "" } else { ", invisible" })
+            let presence = match presence {
+                Presence::Solid => "",
+                Presence::Ghost => ", in nothing's way",
+                Presence::Hidden => ", invisible",
+            };
+            format!("area {shape}, radiance {color}{presence}")
         }
         LightKind::Point { radius_m: 0.0, .. } => format!("point, {color} W/sr"),
         LightKind::Point { radius_m, .. } => format!("sphere of {radius_m} m, {color} W/sr"),

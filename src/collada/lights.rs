@@ -5,7 +5,7 @@ use std::f32::consts::PI;
 use glam::Vec3;
 
 use crate::color::Emission;
-use crate::document::{AreaShape, Falloff, Light, LightKind, SpotEdge};
+use crate::document::{AreaShape, Falloff, Light, LightKind, Presence, SpotEdge};
 
 use super::FalloffRule;
 use super::blender::{self, Lamp, LightExtra};
@@ -125,7 +125,7 @@ fn source<'a>(
         "ambient" => Reading::new(LightKind::Ambient, color),
         "directional" => Reading::new(LightKind::Directional { angle_deg: 0.0 }, color),
         "area" => {
-            let kind = LightKind::Area { shape: AreaShape::Rectangle, visible: true };
+            let kind = LightKind::Area { shape: AreaShape::Rectangle, presence: Presence::Solid };
             Reading { is_cgl_area: true, ..Reading::new(kind, color) }
         }
         "point" => {
@@ -173,7 +173,7 @@ fn blender_light<'a>(
         Lamp::Sun => Reading::new(LightKind::Directional { angle_deg: 0.0 }, color),
         Lamp::Hemi => Reading::new(LightKind::Ambient, color),
         Lamp::Area => {
-            let kind = LightKind::Area { shape: extra.shape, visible: true };
+            let kind = LightKind::Area { shape: extra.shape, presence: Presence::Ghost };
             let color = if watts { color * m2_per_unit2 } else { color };
             Reading { size: Some(extra.size), is_power: watts, ..Reading::new(kind, color) }
         }

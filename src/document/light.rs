@@ -17,15 +17,27 @@ pub struct Light {
 #[derive(Clone, Copy, Debug)]
 pub enum LightKind {
     /// One-sided along local -Z.
-    Area { shape: AreaShape, visible: bool },
+    Area { shape: AreaShape, presence: Presence },
     /// A point, or a sphere of `radius_m` with the same intensity.
     Point { radius_m: f32, falloff: Falloff },
-    /// Along local -Z. `cone_deg` is the full angle. Inside, intensity is scaled by `edge`.
+    /// Along local -Z, from a point or a disc of `radius_m`. `cone_deg` is the full angle. Inside, intensity is scaled by
+    /// `edge`.
     Spot { cone_deg: f32, edge: SpotEdge, radius_m: f32, falloff: Falloff },
     /// Shines along local -Z; `angle_deg` is the full angle of the disc it comes from (0 = parallel).
     Directional { angle_deg: f32 },
     /// Constant radiance from the upper hemisphere (+Y in world space), as the CS184 course has it.
     Ambient,
+}
+
+/// How much of a thing an area light is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Presence {
+    /// Seen, and in the way of other light.
+    Solid,
+    /// Seen, but other light passes as if it were not there, like Blender's lamps.
+    Ghost,
+    /// Only its light is there.
+    Hidden,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

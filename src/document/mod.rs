@@ -15,7 +15,7 @@ mod texture;
 
 pub use animation::{Channel, Interpolation};
 pub use camera::{Camera, Lens, Projection};
-pub use light::{AreaShape, Environment, Falloff, Light, LightKind, SpotEdge};
+pub use light::{AreaShape, Environment, Falloff, Light, LightKind, Presence, SpotEdge};
 pub use material::{Base, Distribution, Film, Material, Microfacets, SurfaceEmission, Thickness, Tint};
 pub use node::{Binding, Item, Node, Transform, TransformKind};
 pub use shape::{Geometry, Group, Mesh, Shape, UvSet};

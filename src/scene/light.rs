@@ -10,7 +10,7 @@ use super::surface::Surface;
 use crate::document::{Falloff, SpotEdge};
 use crate::math::Frame;
 use crate::math::distribution::Alias;
-use crate::math::warp::{cone_pdf, square_to_cone, square_to_sphere, square_to_triangle};
+use crate::math::warp::{cone_pdf, square_to_cone, square_to_disk, square_to_sphere, square_to_triangle};
 
 /// One source that light sampling can choose.
 pub enum Emitter {
@@ -59,6 +59,8 @@ pub struct Triangle {
 
 pub struct Spot {
     pub position: Vec3,
+    /// Of the disc that it shines from.
+    pub radius_m: f32,
     pub axis: Vec3,
     pub cos_half_cone: f32,
     pub edge: SpotEdge,
@@ -186,7 +188,8 @@ impl Emitter {
                 Some(LightSample { wi, distance_m, light, pdf: 1.0, alone: true })
             }
             Self::Spot(spot) => {
-                let (wi, distance_m) = toward(from, spot.position)?;
+                let on_disk = square_to_disk(u).extend(0.0) * spot.radius_m;
+                let (wi, distance_m) = toward(from, spot.position + Frame::new(spot.axis).to_world(on_disk))?;
                 let edge = spot.edge_factor(-wi.dot(spot.axis));
                 let strength = edge * attenuation(spot.falloff, distance_m);
                 let light = LightAt::Radiance(spot.intensity.scaled(strength));

@@ -10,7 +10,9 @@ use super::environment::Sky;
 use super::light::{self, Emitter, Sphere, Spot, Triangle};
 use super::surface::Part;
 use crate::color::Emission;
-use crate::document::{self, AreaShape, Base, Document, Falloff, Item, Light, LightKind, Mesh, SurfaceEmission};
+use crate::document::{
+    self, AreaShape, Base, Document, Falloff, Item, Light, LightKind, Mesh, Presence, SurfaceEmission,
+};
 
 /// Sides of the polygon that stands for a disc; it has the disc's area.
 const DISK_SIDES: u32 = 96;
@@ -85,21 +87,21 @@ pub(super) fn place_light(assembly: &mut Assembly, placed: &PlacedLight) -> Resu
         assembly.power.push(power);
     };
     match light.kind {
-        LightKind::Area { shape, visible } => place_area(assembly, placed, shape, visible, light.color)?,
+        LightKind::Area { shape, presence } => place_area(assembly, placed, shape, presence, light.color)?,
         LightKind::Point { radius_m, falloff: Falloff::Physical } if radius_m > 0.0 => {
             // A sphere of radiance L has intensity L pi r^2.
             let radiance = light.color / (PI * radius_m * radius_m);
             let unit = Affine3A::from_translation(position) * Affine3A::from_scale(Vec3::splat(2.0 * radius_m));
             let placed = PlacedLight { light, to_world: unit };
-            place_area(assembly, &placed, AreaShape::Sphere, true, radiance)?;
+            place_area(assembly, &placed, AreaShape::Sphere, Presence::Ghost, radiance)?;
         }
         LightKind::Point { falloff, .. } => {
             add(Emitter::Point { position, intensity, falloff }, 4.0 * PI * strength);
         }
-        LightKind::Spot { cone_deg, edge, falloff, .. } => {
+        LightKind::Spot { cone_deg, edge, radius_m, falloff } => {
             let cos_half_cone = (0.5 * cone_deg.to_radians()).cos();
             let axis = light::shining_direction(to_world);
-            let spot = Spot { position, axis, cos_half_cone, edge, intensity, falloff };
+            let spot = Spot { position, radius_m, axis, cos_half_cone, edge, intensity, falloff };
             add(Emitter::Spot(spot), 2.0 * PI * (1.0 - cos_half_cone) * strength);
         }
         LightKind::Directional { angle_deg } => {
@@ -118,7 +120,7 @@ fn place_area(
     assembly: &mut Assembly,
     placed: &PlacedLight,
     shape: AreaShape,
-    visible: bool,
+    presence: Presence,
     radiance: Vec3,
 ) -> Result<(), BuildError> {
     let emission = SurfaceEmission {
@@ -130,14 +132,14 @@ fn place_area(
         id: placed.light.id.clone(),
         base: Base::Black,
         emission: Some(emission),
-        opacity: document::Scalar::constant(1.0),
+        opacity: document::Scalar::constant(if presence == Presence::Ghost { 0.0 } else { 1.0 }),
         ..document::Material::default()
     };
     let material = assembly.add_material(description);
     let to_world = placed.to_world;
     if shape == AreaShape::Sphere {
         let radius = 0.5 * to_world.matrix3.x_axis.length();
-        if visible {
+        if presence != Presence::Hidden {
             return assembly.place_sphere(to_world, radius, material);
         }
         add_sphere_emitter(assembly, u32::MAX, material, Vec3::from(to_world.translation), radius, true);
@@ -146,7 +148,7 @@ fn place_area(
     let mesh = if shape == AreaShape::Disk { disk() } else { rectangle() };
     let count = mesh.triangles.len() as u32;
     let mut parts = vec![Part { end: count, material, first: 0, emitter: u32::MAX, uv_set: 0 }];
-    if visible {
+    if presence != Presence::Hidden {
         return assembly.place_copy(&mesh, to_world, parts);
     }
     let handedness = 1.0f32.copysign(to_world.matrix3.determinant());

@@ -5,7 +5,7 @@ use glam::Vec3;
 use crate::collada::error::Fault;
 use crate::collada::xml::Element;
 use crate::color::Emission;
-use crate::document::{AreaShape, LightKind};
+use crate::document::{AreaShape, LightKind, Presence};
 
 use super::spectrum;
 use super::strict::{Bounds, Strict, at_most_one, only_children};
@@ -55,12 +55,12 @@ fn area(element: Element) -> Result<Area, Fault> {
     let power = strict.number("power_w", Bounds::AtLeast(0.0))?;
     strict.not_both("radiance", "power_w")?;
     let spectrum = spectrum::read(&mut strict, "spectrum")?.unwrap_or_default();
-    let visible = strict.flag("visible")?.unwrap_or(true);
+    let presence = if strict.flag("visible")?.unwrap_or(true) { Presence::Solid } else { Presence::Hidden };
     let strength = match (radiance, power) {
         (Some(radiance), _) => Strength::Radiance(radiance),
         (None, Some(watts)) => Strength::Power(watts),
         (None, None) => return Err(element.fault("<area> has neither `radiance` nor `power_w`")),
     };
     strict.finish(&[])?;
-    Ok(Area { kind: LightKind::Area { shape, visible }, strength, spectrum })
+    Ok(Area { kind: LightKind::Area { shape, presence }, strength, spectrum })
 }
