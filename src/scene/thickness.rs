@@ -38,7 +38,7 @@ impl Thickness {
     }
 
     /// The thicknesses that [`Thickness::at`] can return.
-    pub(super) fn range(&self) -> Range {
+    pub fn range(&self) -> Range {
         let (a, b) = match *self {
             Self::Constant { nm } => (nm, nm),
             Self::Noise { nm, amplitude, octaves, .. } => {

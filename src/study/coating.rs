@@ -1,7 +1,7 @@
 //! The stack under study.
 
 use crate::color::{Index, IndexCurve};
-use crate::document::{Base, Document, Material, Thickness};
+use crate::document::{Base, Document, Material};
 use crate::film::{Layer, Range, Stack};
 
 use super::error::StudyError;
@@ -61,7 +61,7 @@ impl Coating {
         let layers: Result<Vec<Layer>, StudyError> = material
             .films
             .iter()
-            .map(|film| Ok(Layer { index: curve(&film.index)?, thickness_nm: range(&film.thickness).min_nm }))
+            .map(|film| Ok(Layer { index: curve(&film.index)?, thickness_nm: film.thickness.range().min_nm }))
             .collect();
         let (varying, range) = varying(material);
         let stack = Stack {
@@ -87,25 +87,10 @@ impl Coating {
 
 /// The layer of a material that varies, else its first, and the thicknesses of it.
 fn varying(material: &Material) -> (Option<usize>, Range) {
-    let ranges: Vec<Range> = material.films.iter().map(|film| range(&film.thickness)).collect();
+    let ranges: Vec<Range> = material.films.iter().map(|film| film.thickness.range()).collect();
     let layer = ranges.iter().position(|range| range.max_nm > range.min_nm).unwrap_or(0);
     match ranges.get(layer) {
         Some(range) => (Some(layer), *range),
         None => (None, Range::constant(0.0)),
     }
-}
-
-/// The thicknesses that a film of a scene takes over its surface, in nm.
-fn range(thickness: &Thickness) -> Range {
-    let (a, b) = match *thickness {
-        Thickness::Constant { nm } => (nm, nm),
-        Thickness::Noise { nm, amplitude, octaves, .. } => {
-            // Each octave has half the amplitude of the one before.
-            let reach = amplitude.abs() * (2.0 - 0.5f32.powi(octaves.saturating_sub(1) as i32));
-            (nm * (1.0 - reach), nm * (1.0 + reach))
-        }
-        Thickness::Drain { top_nm, bottom_nm, .. } => (top_nm, bottom_nm),
-        Thickness::Map { min_nm, max_nm, .. } => (min_nm, max_nm),
-    };
-    Range { min_nm: f64::from(a.min(b).max(0.0)), max_nm: f64::from(a.max(b).max(0.0)) }
 }
