@@ -37,7 +37,7 @@ impl Thickness {
         nm.max(0.0)
     }
 
-    /// The thicknesses that [`Thickness::at`] can return.
+    /// The thicknesses that a surface of this film can have, nm.
     pub fn range(&self) -> Range {
         let (a, b) = match *self {
             Self::Constant { nm } => (nm, nm),
