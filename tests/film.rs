@@ -48,7 +48,7 @@ fn own(name: &str) -> PathBuf {
 }
 
 /// The shared truth tables, or None with the reason printed.
-fn shared() -> Option<PathBuf> {
+pub fn shared() -> Option<PathBuf> {
     let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared");
     let folder = std::env::var_os("PELLICLE_SHARED").map_or(beside, PathBuf::from).join("film");
     if folder.is_dir() {

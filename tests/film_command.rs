@@ -8,6 +8,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use crate::film::shared;
 use pellicle::color::{Lab, delta_e_2000, known_index_names};
 use pellicle::study::{PLOT_SIZE, SWATCH_SIZE};
 
@@ -41,17 +42,6 @@ fn folder(name: &str) -> PathBuf {
 
 fn own(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(name)
-}
-
-/// The shared truth tables, or None with the reason printed.
-fn shared() -> Option<PathBuf> {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared");
-    let folder = std::env::var_os("PELLICLE_SHARED").map_or(beside, PathBuf::from).join("film");
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    println!("skipped the full tables: none at {} (set PELLICLE_SHARED)", folder.display());
-    None
 }
 
 /// Comma-separated fields without comments and heads.

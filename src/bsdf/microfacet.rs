@@ -7,7 +7,7 @@ use glam::{Vec2, Vec3};
 use crate::document::Distribution;
 
 /// Below this alpha a surface is treated as perfectly smooth: the lobe is narrower than f32 directions resolve.
-pub const SMOOTH_ALPHA: f32 = 1e-4;
+const SMOOTH_ALPHA: f32 = 1e-4;
 
 #[derive(Clone, Copy, Debug)]
 pub struct Microfacets {

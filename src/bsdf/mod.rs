@@ -14,7 +14,7 @@ pub use conductor::{Conductor, multiple_color};
 pub use dielectric::{Dielectric, Multiple, is_straight};
 pub use diffuse::{CoatedDiffuse, Diffuse};
 use glam::Vec3;
-pub use microfacet::{Microfacets, SMOOTH_ALPHA};
+pub use microfacet::Microfacets;
 pub use multiple::Missing;
 
 use crate::film::{Side, Split};

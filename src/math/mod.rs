@@ -9,8 +9,3 @@ pub mod warp;
 pub use frame::Frame;
 pub use noise::perlin;
 pub use sampler::Sampler;
-
-/// True when all components are numbers.
-pub fn all_finite(values: &[f32]) -> bool {
-    values.iter().all(|value| value.is_finite())
-}

@@ -17,10 +17,6 @@ pub use paired::Paired;
 pub use rgb::Rgb;
 pub use spectral::{Spectral, Waves};
 
-/// Wavelength at which bodies refract where colours share one direction: the helium d line, where glass makers quote
-/// indices, nm.
-const REFRACTION_NM: f64 = 587.56;
-
 /// One way of carrying colour: three channels, or N wavelengths. Monomorphised, so that RGB pays nothing for spectral.
 pub trait Mode: Copy + Debug + Send + Sync + 'static {
     type Light: Lanes;

@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
-use super::{FilmPlan, Mode, REFRACTION_NM, Wide};
-use crate::color::{Emission, IndexCurve, Sensor};
+use super::{FilmPlan, Mode, Wide};
+use crate::color::{Emission, IndexCurve, NOMINAL_NM, Sensor};
 use crate::film::{self, RgbFilm, Side, Split, Stack, Verdict};
 
 /// Three lanes of linear sRGB.
@@ -56,7 +56,7 @@ impl Mode for Rgb {
     }
 
     fn eta(index: &IndexCurve) -> f32 {
-        index.at(REFRACTION_NM).re as f32
+        index.at(NOMINAL_NM).re as f32
     }
 
     #[inline]

@@ -6,6 +6,7 @@ use glam::{Vec2, Vec3, Vec4};
 use image::DynamicImage;
 
 use super::BuildError;
+use crate::color::view;
 use crate::document::{Channel4, Encoding, Image, ImageSource, Map, Wrap};
 
 /// A decoded image. Row 0 is the top.
@@ -21,13 +22,9 @@ enum Texels {
     Float(Vec<[f32; 4]>),
 }
 
-/// 8-bit sRGB code to linear value. IEC 61966-2-1.
-static SRGB_TO_LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| {
-    std::array::from_fn(|code| {
-        let c = code as f32 / 255.0;
-        if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
-    })
-});
+/// 8-bit sRGB code to linear value.
+static SRGB_TO_LINEAR: LazyLock<[f32; 256]> =
+    LazyLock::new(|| std::array::from_fn(|code| view::srgb_decode(code as f32 / 255.0)));
 
 impl Texture {
     /// Reads and decodes an image file (PNG, JPEG, TGA, BMP, TIFF, HDR, EXR).
