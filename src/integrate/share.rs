@@ -141,7 +141,9 @@ fn hand_out<M: Mode>(
     let mut seen = [M::Light::ZERO; GROUP];
     let mut density = 0.0;
     for (k, lookout) in lookouts.iter().enumerate() {
-        let Some(Lookout { x, throughput, .. }) = lookout.as_ref().filter(|l| Some(l.bounce) == bounce) else { continue };
+        let Some(Lookout { x, throughput, .. }) = lookout.as_ref().filter(|l| Some(l.bounce) == bounce) else {
+            continue;
+        };
         let offset = y.position - x.surface.position;
         let distance2 = offset.length_squared();
         let distance_m = distance2.sqrt();

@@ -49,9 +49,7 @@ impl<'s, M: Mode> Vertex<'s, M> {
     #[inline]
     pub fn looks_the_same(&self, toward: Vec3) -> bool {
         let side = 1.0f32.copysign(self.wo.z);
-        !self.bent
-            && self.frame.normal.dot(toward) * side >= GRAZING
-            && self.surface.ng.dot(toward) * side > 0.0
+        !self.bent && self.frame.normal.dot(toward) * side >= GRAZING && self.surface.ng.dot(toward) * side > 0.0
     }
 }
 

@@ -8,10 +8,10 @@ mod filter;
 mod frame;
 mod tile;
 
+use arrayvec::ArrayVec;
 pub use clock::{available_memory, cpu_seconds, peak_rss_mb};
 pub use filter::Filter;
 pub use frame::Frame;
-use arrayvec::ArrayVec;
 use glam::Vec2;
 use rayon::prelude::*;
 use thiserror::Error;

@@ -71,9 +71,7 @@ impl Stage {
         if let Some(environment) = &document.environment {
             let tint = assembly.source(environment.radiance * environment.strength, &environment.spectrum);
             let sky = match environment.image {
-                Some(image) => {
-                    Sky::Image(Box::new(SkyImage::new(textures[image].clone(), tint, environment.rotation_deg)))
-                }
+                Some(image) => Sky::Image(Box::new(SkyImage::new(&textures[image], tint, environment.rotation_deg))),
                 None => Sky::Constant(tint),
             };
             assembly.emitters.push(Emitter::Sky(sky));
