@@ -19,7 +19,7 @@ const GRAZING: f32 = 1e-3;
 
 /// A surface point with its scattering, ready for one step of a path.
 pub(super) struct Vertex<'s, M: Mode> {
-    pub surface: Surface<'s>,
+    pub surface: &'s Surface<'s>,
     pub frame: Frame,
     pub bsdf: Bsdf<'s, M>,
     /// Towards where the path came from, local frame.
@@ -83,7 +83,7 @@ pub fn radiance<M: Mode>(
         }
 
         // Sample the lights.
-        let vertex = Vertex::new(scene, material, surface, -ray.dir, absorption_per_m, waves);
+        let vertex = Vertex::new(scene, material, &surface, -ray.dir, absorption_per_m, waves);
         let [u_light, u_light_x, u_light_y, u_roulette] = sampler.next_4d();
         if !vertex.bsdf.is_delta() {
             radiance +=
@@ -146,16 +146,17 @@ pub(super) fn transmission<M: Mode>(absorption_per_m: Vec3, distance_m: f32, wav
 }
 
 impl<'s, M: Mode> Vertex<'s, M> {
+    #[inline]
     fn new(
         scene: &'s Scene<M>,
         material: &'s Material<M>,
-        surface: Surface<'s>,
+        surface: &'s Surface<'s>,
         toward_viewer: Vec3,
         absorption_per_m: Vec3,
         waves: &M::Waves,
     ) -> Self {
-        let frame = facing(material.frame(&surface, scene.textures()), surface.ng, toward_viewer);
-        let bsdf = material.bsdf(&surface, scene.textures(), waves);
+        let frame = facing(material.normal(surface, scene.textures()), surface.ng, toward_viewer);
+        let bsdf = material.bsdf(surface, scene.textures(), waves);
         let wo = frame.to_local(toward_viewer);
         Self { surface, frame, bsdf, wo, absorption_per_m }
     }
@@ -164,12 +165,12 @@ impl<'s, M: Mode> Vertex<'s, M> {
 /// The shading frame, its normal on the outward side and bent as far as needed to face the viewer on the side that is
 /// really seen: an interpolated normal near a silhouette may not.
 #[inline]
-fn facing(frame: Frame, ng: Vec3, toward_viewer: Vec3) -> Frame {
-    let normal = frame.normal * 1.0f32.copysign(frame.normal.dot(ng));
+fn facing(normal: Vec3, ng: Vec3, toward_viewer: Vec3) -> Frame {
+    let normal = normal * 1.0f32.copysign(normal.dot(ng));
     let side = 1.0f32.copysign(toward_viewer.dot(ng));
     let cos = normal.dot(toward_viewer) * side;
     if cos >= GRAZING {
-        return if normal == frame.normal { frame } else { Frame::new(normal) };
+        return Frame::new(normal);
     }
     let across = normal - toward_viewer * normal.dot(toward_viewer);
     Frame::new((across + toward_viewer * (side * GRAZING)).normalize())
