@@ -14,7 +14,7 @@ use super::surface::{Glow, Place};
 use super::texture::Texture;
 use crate::color::{Emission, Sensor};
 use crate::document::{self, Document, Scalar};
-use crate::embree::{Accel, AccelBuilder};
+use crate::embree::{Accel, AccelBuilder, Ray};
 
 pub struct Stage {
     pub(super) accel: Accel,
@@ -35,6 +35,12 @@ pub struct Stage {
 }
 
 impl Stage {
+    /// True if any surface lies on the ray, whatever it is made of.
+    #[inline]
+    pub fn occluded(&self, ray: &Ray) -> bool {
+        self.accel.occluded(ray)
+    }
+
     /// `threads` share the building; 0 = all.
     ///
     /// # Errors
