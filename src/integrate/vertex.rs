@@ -24,6 +24,7 @@ pub(super) struct Vertex<'s, M: Mode> {
 }
 
 impl<'s, M: Mode> Vertex<'s, M> {
+    #[inline]
     pub fn new(
         scene: &'s Scene<M>,
         surface: Surface<'s>,
@@ -32,7 +33,7 @@ impl<'s, M: Mode> Vertex<'s, M> {
         waves: &M::Waves,
     ) -> Self {
         let material = scene.material(&surface);
-        let (frame, bent) = facing(material.frame(&surface, scene.textures()), surface.ng, toward_viewer);
+        let (frame, bent) = facing(material.normal(&surface, scene.textures()), surface.ng, toward_viewer);
         let bsdf = material.bsdf(&surface, scene.textures(), waves);
         let wo = frame.to_local(toward_viewer);
         Self { surface, material, frame, bsdf, wo, absorption_per_m, bent }
@@ -56,12 +57,12 @@ impl<'s, M: Mode> Vertex<'s, M> {
 /// The shading frame, its normal on the outward side and bent as far as needed to face the viewer on the side that is
 /// really seen: an interpolated normal near a silhouette may not.
 #[inline]
-fn facing(frame: Frame, ng: Vec3, toward_viewer: Vec3) -> (Frame, bool) {
-    let normal = frame.normal * 1.0f32.copysign(frame.normal.dot(ng));
+fn facing(normal: Vec3, ng: Vec3, toward_viewer: Vec3) -> (Frame, bool) {
+    let normal = normal * 1.0f32.copysign(normal.dot(ng));
     let side = 1.0f32.copysign(toward_viewer.dot(ng));
     let cos = normal.dot(toward_viewer) * side;
     if cos >= GRAZING {
-        return (if normal == frame.normal { frame } else { Frame::new(normal) }, false);
+        return (Frame::new(normal), false);
     }
     let across = normal - toward_viewer * normal.dot(toward_viewer);
     (Frame::new((across + toward_viewer * (side * GRAZING)).normalize()), true)
