@@ -134,7 +134,7 @@ impl<M: Mode> Path<M> {
 
         // Sample the surface.
         let [u_lobe, u_x, u_y, _] = self.u_surface;
-        let Some(sample) = vertex.bsdf.sample(vertex.wo, [u_lobe, u_x, u_y], &self.waves) else { return false };
+        let Some(sample) = vertex.sample([u_lobe, u_x, u_y], &self.waves) else { return false };
         let wi = vertex.frame.to_world(sample.wi);
         if wi.dot(vertex.surface.ng) * sample.wi.z <= 0.0 && !matches!(sample.pdf, Pdf::Through(_)) {
             // An interpolated normal sent the ray to the wrong side of the real surface.

@@ -15,99 +15,103 @@ use super::path::{Path, SURE_BOUNCES};
 use super::vertex::Vertex;
 use super::{PathLimits, Strategy, Tally};
 use crate::bsdf::Bsdf;
-use crate::embree::Ray;
+use crate::embree::{BATCH, Ray};
 use crate::mode::{Lanes, Mode};
 use crate::scene::Scene;
 
 /// Largest number of paths that share.
-pub const GROUP: usize = 8;
+pub const GROUP: usize = BATCH;
 /// Visibility rays end this share of their length before the surface they look at.
 const GAP: f32 = 1e-4;
 
-/// The first surface of a path that can look at what others found.
-struct Lookout<'s, M: Mode> {
-    x: Vertex<'s, M>,
+/// Where one path of a group looks from, and what it found.
+struct Post<'s, M: Mode> {
+    /// The first surface that can look around.
+    x: Option<Vertex<'s, M>>,
+    /// The matte surface that the path found from x; the path goes on as its tail.
+    y: Option<Vertex<'s, M>>,
     /// Of the path up to x.
     throughput: M::Light,
     bounce: u32,
-}
-
-/// The matte surface that a path found from its lookout; the path goes on as its tail.
-struct Find<'s, M: Mode> {
-    y: Vertex<'s, M>,
-    /// Light that the path found up to and including y's emission.
+    /// Light found up to and including y's emission.
     radiance: M::Light,
 }
 
 /// Estimates the radiance of a group of paths of neighbouring pixels, into [`Path::radiance`]. They must have the same
-/// waves; how many they are changes the noise, not the mean.
-///
-/// # Panics
-/// Never; paths beyond [`GROUP`] are followed alone.
+/// waves; how many they are changes the noise, not the mean. Paths beyond [`GROUP`] are followed alone.
 pub fn radiances<M: Mode>(scene: &Scene<M>, paths: &mut [Path<M>], limits: &PathLimits, tally: &mut Tally) {
-    let mut lookouts: [Option<Lookout<M>>; GROUP] = std::array::from_fn(|_| None);
-    let mut finds: [Option<Find<M>>; GROUP] = std::array::from_fn(|_| None);
-    let shared = limits.strategy == Strategy::Shared;
-    for (i, path) in paths.iter_mut().enumerate() {
-        if shared && i < GROUP {
-            (lookouts[i], finds[i]) = head(scene, path, limits, tally);
-        } else {
+    if limits.strategy != Strategy::Shared {
+        for path in paths {
             path.finish(scene, limits, tally);
         }
-    }
-    if !shared {
         return;
     }
+    let (group, alone) = paths.split_at_mut(GROUP.min(paths.len()));
+    for path in alone {
+        path.finish(scene, limits, tally);
+    }
+    let (throughput, radiance) = (M::Light::ONE, M::Light::ZERO);
+    let mut posts: [Post<M>; GROUP] =
+        std::array::from_fn(|_| Post { x: None, y: None, throughput, bounce: 0, radiance });
+    for (path, post) in group.iter_mut().zip(&mut posts) {
+        post.occupy(scene, path, limits, tally);
+    }
     let mut gathered = [M::Light::ZERO; GROUP];
-    for (j, find) in finds.iter().enumerate() {
-        if let Some(find) = find {
-            hand_out(scene, &lookouts, j, find, paths[j].radiance, &paths[j].waves, &mut gathered, tally);
+    for (finder, path) in posts.iter().zip(&*group) {
+        if let Some(y) = &finder.y {
+            hand_out(scene, &posts, (finder, y), path, &mut gathered, tally);
         }
     }
-    for (i, path) in paths.iter_mut().enumerate().take(GROUP) {
-        if let Some(find) = &finds[i] {
-            path.radiance = find.radiance;
+    for ((path, post), gathered) in group.iter_mut().zip(&posts).zip(gathered) {
+        if post.y.is_some() {
+            path.radiance = post.radiance;
         }
-        path.radiance += gathered[i];
+        path.radiance += gathered;
     }
 }
 
-/// Follows a path to its end. With a find, the path's radiance is what y scatters; without, what the path found.
-fn head<'s, M: Mode>(
-    scene: &'s Scene<M>,
-    path: &mut Path<M>,
-    limits: &PathLimits,
-    tally: &mut Tally,
-) -> (Option<Lookout<'s, M>>, Option<Find<'s, M>>) {
-    while let Some(x) = path.arrive(scene, limits, tally) {
-        let (throughput, bounce, passed) = (path.throughput, path.bounce, path.passed);
-        let can_look = looks_around(&x, path) && bounce + 1 < limits.max_bounces;
-        let goes_on = path.scatter(scene, &x, limits, tally);
-        if !can_look {
-            if goes_on {
-                continue;
+impl<'s, M: Mode> Post<'s, M> {
+    /// Follows a path to its end. With a find, the path's radiance is what y scatters; without, what the path found.
+    fn occupy(&mut self, scene: &'s Scene<M>, path: &mut Path<M>, limits: &PathLimits, tally: &mut Tally) {
+        loop {
+            // Find a surface that can look around.
+            self.x = path.arrive(scene, limits, tally);
+            let Some(x) = &self.x else { return };
+            let (throughput, bounce, passed) = (path.throughput, path.bounce, path.passed);
+            let looks_around = looks_around(x, path);
+            let goes_on = path.scatter(scene, x, limits, tally);
+            if !looks_around {
+                if goes_on {
+                    continue;
+                }
+                self.x = None;
+                return;
             }
-            return (None, None);
-        }
-        // Take what x leads to apart from what was found before.
-        let mut find = None;
-        if goes_on && let Some(y) = path.arrive(scene, limits, tally) {
+            (self.throughput, self.bounce) = (throughput, bounce);
+            if !goes_on {
+                return;
+            }
+
+            // See what this path finds from there.
+            let spread = path.was_spread();
+            self.y = path.arrive(scene, limits, tally);
+            let Some(y) = &self.y else { return };
             let toward_x = y.frame.to_world(y.wo);
-            let direct = path.passed == passed && path.was_spread();
-            if direct && is_matte(&y) && y.looks_the_same(toward_x) {
+            let found = spread && path.passed == passed && is_matte(y) && y.looks_the_same(toward_x);
+            if found {
                 path.importance *= path.throughput.max();
                 path.throughput = M::Light::ONE;
-                find = Some(std::mem::replace(&mut path.radiance, M::Light::ZERO));
+                self.radiance = std::mem::replace(&mut path.radiance, M::Light::ZERO);
             }
-            if path.scatter(scene, &y, limits, tally) {
+            if path.scatter(scene, y, limits, tally) {
                 path.finish(scene, limits, tally);
             }
-            let find = find.map(|radiance| Find { y, radiance });
-            return (Some(Lookout { x, throughput, bounce }), find);
+            if !found {
+                self.y = None;
+            }
+            return;
         }
-        return (Some(Lookout { x, throughput, bounce }), None);
     }
-    (None, None)
 }
 
 /// True where a path scatters into all directions of its side, in clear air, and no roulette has yet been played.
@@ -124,54 +128,48 @@ fn is_matte<M: Mode>(y: &Vertex<M>) -> bool {
     matches!(y.bsdf, Bsdf::Diffuse(_))
 }
 
-/// Gives all lookouts their part of the `scattered` radiance of the j-th find.
-#[allow(clippy::too_many_arguments)]
+/// Gives all posts their part of what the find scatters, which is the radiance of the finder's path.
 fn hand_out<M: Mode>(
     scene: &Scene<M>,
-    lookouts: &[Option<Lookout<M>>; GROUP],
-    j: usize,
-    find: &Find<M>,
-    scattered: M::Light,
-    waves: &M::Waves,
+    posts: &[Post<M>; GROUP],
+    (finder, y): (&Post<M>, &Vertex<M>),
+    path: &Path<M>,
     gathered: &mut [M::Light; GROUP],
     tally: &mut Tally,
 ) {
-    let y = &find.y.surface;
-    let bounce = lookouts[j].as_ref().map(|own| own.bounce);
+    // What each post would make of y, if it sees it.
     let mut seen = [M::Light::ZERO; GROUP];
-    let mut density = 0.0;
-    for (k, lookout) in lookouts.iter().enumerate() {
-        let Some(Lookout { x, throughput, .. }) = lookout.as_ref().filter(|l| Some(l.bounce) == bounce) else {
-            continue;
-        };
-        let offset = y.position - x.surface.position;
+    let mut densities = [0.0; GROUP];
+    let mut rays = [Ray::new(Vec3::ZERO, Vec3::Z); GROUP];
+    let mut doubtful = 0u8;
+    for (k, post) in posts.iter().enumerate() {
+        let Some(x) = post.x.as_ref().filter(|_| post.bounce == finder.bounce) else { continue };
+        let offset = y.surface.position - x.surface.position;
         let distance2 = offset.length_squared();
         let distance_m = distance2.sqrt();
         let wi = offset * (1.0 / distance_m);
-        if !find.y.looks_the_same(-wi) {
+        if !y.looks_the_same(-wi) {
             continue;
         }
         let Some(local) = x.local(wi) else { continue };
-        let (value, pdf) = x.bsdf.eval(x.wo, local, waves);
-        if pdf <= 0.0 {
-            continue;
-        }
-        if k != j {
-            let origin = x.surface.leave(wi);
-            tally.shadow_rays += 1;
-            if scene.stage.occluded(&Ray { tfar: distance_m * (1.0 - GAP), ..Ray::new(origin, wi) }) {
-                continue;
-            }
-        }
+        let (value, pdf) = x.eval(wi, local, &path.waves);
         // Per area of y instead of solid angle at x.
-        let geometry = y.ng.dot(wi).abs() / distance2;
-        density += pdf * geometry;
-        seen[k] = *throughput * value * geometry;
+        let geometry = y.surface.ng.dot(wi).abs() / distance2;
+        densities[k] = pdf * geometry;
+        seen[k] = post.throughput * value * geometry;
+        if !std::ptr::eq(post, finder) {
+            rays[k] = Ray { tfar: distance_m * (1.0 - GAP), ..Ray::new(x.surface.leave(wi), wi) };
+            doubtful |= 1 << k;
+        }
     }
+    tally.shadow_rays += u64::from(doubtful.count_ones());
+    let hidden = scene.stage.occluded_batch(&rays, doubtful);
+    let visible = |k: &usize| hidden >> k & 1 == 0;
+    let density: f32 = (0..GROUP).filter(visible).map(|k| densities[k]).sum();
     if density > 0.0 && density.is_finite() {
-        let scale = 1.0 / density;
-        for (sum, part) in gathered.iter_mut().zip(seen) {
-            *sum += part * scattered * scale;
+        let scattered = path.radiance * (1.0 / density);
+        for k in (0..GROUP).filter(visible) {
+            gathered[k] += seen[k] * scattered;
         }
     }
 }

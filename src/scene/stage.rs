@@ -7,6 +7,7 @@ use glam::Vec3;
 
 use super::BuildError;
 use super::assembly::Assembly;
+use super::casters::Casters;
 use super::environment::{Sky, SkyImage};
 use super::light::{Emitter, Lights};
 use super::lighting;
@@ -14,7 +15,7 @@ use super::surface::{Glow, Place};
 use super::texture::Texture;
 use crate::color::{Emission, Sensor};
 use crate::document::{self, Document, Scalar};
-use crate::embree::{Accel, AccelBuilder, Ray};
+use crate::embree::{Accel, AccelBuilder, BATCH, Ray};
 
 pub struct Stage {
     pub(super) accel: Accel,
@@ -27,6 +28,7 @@ pub struct Stage {
     /// The distinct spectra of all lights, by the numbers that sources carry.
     pub spectra: Vec<Emission>,
     pub lights: Lights,
+    pub casters: Casters,
     pub sensor: Sensor,
     /// Corners of a box around everything, world space; a unit box when the scene is empty.
     pub bounds: (Vec3, Vec3),
@@ -35,10 +37,10 @@ pub struct Stage {
 }
 
 impl Stage {
-    /// True if any surface lies on the ray, whatever it is made of.
+    /// Which of the `active` rays (bit i for ray i) meet any surface, whatever it is made of.
     #[inline]
-    pub fn occluded(&self, ray: &Ray) -> bool {
-        self.accel.occluded(ray)
+    pub fn occluded_batch(&self, rays: &[Ray; BATCH], active: u8) -> u8 {
+        self.accel.occluded_batch(rays, active)
     }
 
     /// `threads` share the building; 0 = all.
@@ -82,6 +84,7 @@ impl Stage {
         let bounds = accel.bounds().unwrap_or((Vec3::splat(-0.5), Vec3::splat(0.5)));
         lighting::weigh_distant(&emitters, &mut power, bounds);
         Ok(Self {
+            casters: Casters::new(&places, &materials, &accel),
             accel,
             places,
             materials,
