@@ -126,15 +126,15 @@ impl<M: Mode> Path<M> {
         tally: &mut Tally,
     ) -> bool {
         // Sample the lights.
-        let [u_light, u_light_x, u_light_y, u_roulette] = self.sampler.next_4d();
+        let [u_light_x, u_light_y, u_light, u_roulette] = self.sampler.next_4d();
         if !vertex.bsdf.is_delta() {
             let u = [u_light, u_light_x, u_light_y];
             self.radiance += self.throughput * direct_light(scene, vertex, u, &self.waves, limits, tally);
         }
 
         // Sample the surface.
-        let [u_lobe, u_x, u_y, _] = self.u_surface;
-        let Some(sample) = vertex.sample([u_lobe, u_x, u_y], &self.waves) else { return false };
+        let [u_x, u_y, u_lobe, _] = self.u_surface;
+        let Some(sample) = vertex.bsdf.sample(vertex.wo, [u_lobe, u_x, u_y], &self.waves) else { return false };
         let wi = vertex.frame.to_world(sample.wi);
         if wi.dot(vertex.surface.ng) * sample.wi.z <= 0.0 && !matches!(sample.pdf, Pdf::Through(_)) {
             // An interpolated normal sent the ray to the wrong side of the real surface.
