@@ -9,20 +9,24 @@
 //! Which pairs may be shared depends on the pair alone (matte, unobstructed, seen through the same normal), never on the
 //! path that found it: others count as light that only their own path can find.
 
+use arrayvec::ArrayVec;
 use glam::Vec3;
 
-use super::path::{Path, SURE_BOUNCES};
+use super::path::{Arrival, Path, SURE_BOUNCES};
 use super::vertex::Vertex;
 use super::{PathLimits, Strategy, Tally};
 use crate::bsdf::Bsdf;
-use crate::embree::Ray;
+use crate::embree::{BATCH, Ray};
 use crate::mode::{Lanes, Mode};
 use crate::scene::Scene;
 
 /// Largest number of paths that share.
-pub const GROUP: usize = 8;
+pub const GROUP: usize = BATCH;
 /// Visibility rays end this share of their length before the surface they look at.
 const GAP: f32 = 1e-4;
+
+/// In place of a ray where there is none.
+const NO_RAY: Ray = Ray { origin: Vec3::ZERO, dir: Vec3::Z, tnear: 0.0, tfar: 0.0 };
 
 /// The first surface of a path that can look at what others found.
 struct Lookout<'s, M: Mode> {
@@ -39,75 +43,114 @@ struct Find<'s, M: Mode> {
     radiance: M::Light,
 }
 
+/// How far a path has come.
+#[derive(Clone, Copy)]
+enum Stage {
+    /// No surface yet that could look around.
+    Head,
+    /// Just left its lookout, having passed through so many surfaces.
+    Left { passed: u32 },
+    /// Followed for its own sake only.
+    Tail,
+}
+
 /// Estimates the radiance of a group of paths of neighbouring pixels, into [`Path::radiance`]. They must have the same
-/// waves; how many they are changes the noise, not the mean.
-///
-/// # Panics
-/// Never; paths beyond [`GROUP`] are followed alone.
-pub fn radiances<M: Mode>(scene: &Scene<M>, paths: &mut [Path<M>], limits: &PathLimits, tally: &mut Tally) {
+/// waves; how many they are changes the noise, not the mean. The paths go on side by side, one surface at a time, so that
+/// their rays are traced together.
+pub fn radiances<M: Mode>(
+    scene: &Scene<M>,
+    paths: &mut ArrayVec<Path<M>, GROUP>,
+    limits: &PathLimits,
+    tally: &mut Tally,
+) {
     let mut lookouts: [Option<Lookout<M>>; GROUP] = std::array::from_fn(|_| None);
     let mut finds: [Option<Find<M>>; GROUP] = std::array::from_fn(|_| None);
-    let shared = limits.strategy == Strategy::Shared;
-    for (i, path) in paths.iter_mut().enumerate() {
-        if shared && i < GROUP {
-            (lookouts[i], finds[i]) = head(scene, path, limits, tally);
-        } else {
-            path.finish(scene, limits, tally);
+    let first = if limits.strategy == Strategy::Shared { Stage::Head } else { Stage::Tail };
+    let mut stages = [first; GROUP];
+    let mut rays = [NO_RAY; GROUP];
+    let mut shadows = [NO_RAY; GROUP];
+    let mut lights = [M::Light::ZERO; GROUP];
+    let mut active = 0u8;
+    for (i, path) in paths.iter().enumerate() {
+        rays[i] = path.ray;
+        active |= 1 << i;
+    }
+    while active != 0 {
+        tally.rays += u64::from(active.count_ones());
+        let hits = scene.stage.intersect_batch(&rays, active);
+        let mut waiting = 0u8;
+        for (i, path) in paths.iter_mut().enumerate() {
+            if active >> i & 1 == 0 {
+                continue;
+            }
+            let vertex = match path.arrive(scene, scene.surface(&hits, i), limits) {
+                Arrival::At(surface) => path.vertex(scene, surface),
+                Arrival::Through => {
+                    rays[i] = path.ray;
+                    continue;
+                }
+                Arrival::End => {
+                    active &= !(1 << i);
+                    continue;
+                }
+            };
+            // Note what the group will need of this vertex.
+            let (mut lookout, mut find) = (None, None);
+            match stages[i] {
+                Stage::Head if looks_around(&vertex, path) && path.bounce + 1 < limits.max_bounces => {
+                    lookout = Some((path.throughput, path.bounce));
+                    stages[i] = Stage::Left { passed: path.passed };
+                }
+                Stage::Left { passed } => {
+                    // Take what x leads to apart from what was found before.
+                    let toward_x = vertex.frame.to_world(vertex.wo);
+                    let direct = path.passed == passed && path.was_spread();
+                    if direct && is_matte(&vertex) && vertex.looks_the_same(toward_x) {
+                        path.importance *= path.throughput.max();
+                        path.throughput = M::Light::ONE;
+                        find = Some(std::mem::replace(&mut path.radiance, M::Light::ZERO));
+                    }
+                    stages[i] = Stage::Tail;
+                }
+                _ => {}
+            }
+            let (direct, goes_on) = path.scatter(scene, &vertex, limits, tally);
+            if let Some(shadow) = direct.shadow {
+                (shadows[i], lights[i]) = (shadow, direct.light);
+                waiting |= 1 << i;
+            } else {
+                path.radiance += direct.light;
+            }
+            rays[i] = path.ray;
+            if !goes_on {
+                active &= !(1 << i);
+            }
+            if let Some((throughput, bounce)) = lookout {
+                lookouts[i] = Some(Lookout { x: vertex, throughput, bounce });
+            } else if let Some(radiance) = find {
+                finds[i] = Some(Find { y: vertex, radiance });
+            }
+        }
+        let blocked = scene.stage.occluded_batch(&shadows, waiting);
+        for (i, path) in paths.iter_mut().enumerate() {
+            if (waiting & !blocked) >> i & 1 == 1 {
+                path.radiance += lights[i];
+            }
         }
     }
-    if !shared {
-        return;
-    }
+
     let mut gathered = [M::Light::ZERO; GROUP];
     for (j, find) in finds.iter().enumerate() {
         if let Some(find) = find {
             hand_out(scene, &lookouts, j, find, paths[j].radiance, &paths[j].waves, &mut gathered, tally);
         }
     }
-    for (i, path) in paths.iter_mut().enumerate().take(GROUP) {
+    for (i, path) in paths.iter_mut().enumerate() {
         if let Some(find) = &finds[i] {
             path.radiance = find.radiance;
         }
         path.radiance += gathered[i];
     }
-}
-
-/// Follows a path to its end. With a find, the path's radiance is what y scatters; without, what the path found.
-fn head<'s, M: Mode>(
-    scene: &'s Scene<M>,
-    path: &mut Path<M>,
-    limits: &PathLimits,
-    tally: &mut Tally,
-) -> (Option<Lookout<'s, M>>, Option<Find<'s, M>>) {
-    while let Some(x) = path.arrive(scene, limits, tally) {
-        let (throughput, bounce, passed) = (path.throughput, path.bounce, path.passed);
-        let can_look = looks_around(&x, path) && bounce + 1 < limits.max_bounces;
-        let goes_on = path.scatter(scene, &x, limits, tally);
-        if !can_look {
-            if goes_on {
-                continue;
-            }
-            return (None, None);
-        }
-        // Take what x leads to apart from what was found before.
-        let mut find = None;
-        if goes_on && let Some(y) = path.arrive(scene, limits, tally) {
-            let toward_x = y.frame.to_world(y.wo);
-            let direct = path.passed == passed && path.was_spread();
-            if direct && is_matte(&y) && y.looks_the_same(toward_x) {
-                path.importance *= path.throughput.max();
-                path.throughput = M::Light::ONE;
-                find = Some(std::mem::replace(&mut path.radiance, M::Light::ZERO));
-            }
-            if path.scatter(scene, &y, limits, tally) {
-                path.finish(scene, limits, tally);
-            }
-            let find = find.map(|radiance| Find { y, radiance });
-            return (Some(Lookout { x, throughput, bounce }), find);
-        }
-        return (Some(Lookout { x, throughput, bounce }), None);
-    }
-    (None, None)
 }
 
 /// True where a path scatters into all directions of its side, in clear air, and no roulette has yet been played.
@@ -139,7 +182,9 @@ fn hand_out<M: Mode>(
     let y = &find.y.surface;
     let bounce = lookouts[j].as_ref().map(|own| own.bounce);
     let mut seen = [M::Light::ZERO; GROUP];
-    let mut density = 0.0;
+    let mut densities = [0.0f32; GROUP];
+    let mut rays = [NO_RAY; GROUP];
+    let mut asked = 0u8;
     for (k, lookout) in lookouts.iter().enumerate() {
         let Some(Lookout { x, throughput, .. }) = lookout.as_ref().filter(|l| Some(l.bounce) == bounce) else {
             continue;
@@ -157,21 +202,22 @@ fn hand_out<M: Mode>(
             continue;
         }
         if k != j {
-            let origin = x.surface.leave(wi);
-            tally.shadow_rays += 1;
-            if scene.stage.occluded(&Ray { tfar: distance_m * (1.0 - GAP), ..Ray::new(origin, wi) }) {
-                continue;
-            }
+            rays[k] = Ray { tfar: distance_m * (1.0 - GAP), ..Ray::new(x.surface.leave(wi), wi) };
+            asked |= 1 << k;
         }
         // Per area of y instead of solid angle at x.
         let geometry = y.ng.dot(wi).abs() / distance2;
-        density += pdf * geometry;
+        densities[k] = pdf * geometry;
         seen[k] = *throughput * value * geometry;
     }
+    tally.shadow_rays += u64::from(asked.count_ones());
+    let blocked = scene.stage.occluded_batch(&rays, asked);
+    let visible = |k: usize| blocked >> k & 1 == 0;
+    let density: f32 = (0..GROUP).filter(|&k| visible(k)).map(|k| densities[k]).sum();
     if density > 0.0 && density.is_finite() {
         let scale = 1.0 / density;
-        for (sum, part) in gathered.iter_mut().zip(seen) {
-            *sum += part * scattered * scale;
+        for k in (0..GROUP).filter(|&k| visible(k)) {
+            gathered[k] += seen[k] * scattered * scale;
         }
     }
 }

@@ -14,7 +14,7 @@ use super::surface::{Glow, Place};
 use super::texture::Texture;
 use crate::color::{Emission, Sensor};
 use crate::document::{self, Document, Scalar};
-use crate::embree::{Accel, AccelBuilder, Ray};
+use crate::embree::{Accel, AccelBuilder, BATCH, Hits, Ray};
 
 pub struct Stage {
     pub(super) accel: Accel,
@@ -35,10 +35,16 @@ pub struct Stage {
 }
 
 impl Stage {
-    /// True if any surface lies on the ray, whatever it is made of.
+    /// What the rays whose bit is set in `active` (bit i for ray i) meet first; see [`Scene::surface`](super::Scene::surface).
     #[inline]
-    pub fn occluded(&self, ray: &Ray) -> bool {
-        self.accel.occluded(ray)
+    pub fn intersect_batch(&self, rays: &[Ray; BATCH], active: u8) -> Hits {
+        self.accel.intersect_batch(rays, active)
+    }
+
+    /// On which of the rays whose bit is set in `active` any surface lies, whatever it is made of: bit i for ray i.
+    #[inline]
+    pub fn occluded_batch(&self, rays: &[Ray; BATCH], active: u8) -> u8 {
+        self.accel.occluded_batch(rays, active)
     }
 
     /// `threads` share the building; 0 = all.
