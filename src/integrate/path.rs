@@ -145,7 +145,7 @@ impl<M: Mode> Path<M> {
     #[inline]
     fn send_on(&mut self, vertex: &Vertex<M>, u_roulette: f32) -> bool {
         let [u_lobe, u_x, u_y, _] = self.u_surface;
-        let Some(sample) = vertex.bsdf.sample(vertex.wo, [u_lobe, u_x, u_y], &self.waves) else { return false };
+        let Some(sample) = vertex.sample([u_lobe, u_x, u_y], &self.waves) else { return false };
         let wi = vertex.frame.to_world(sample.wi);
         if wi.dot(vertex.surface.ng) * sample.wi.z <= 0.0 && !matches!(sample.pdf, Pdf::Through(_)) {
             // An interpolated normal sent the ray to the wrong side of the real surface.

@@ -28,27 +28,26 @@ const GAP: f32 = 1e-4;
 /// In place of a ray where there is none.
 const NO_RAY: Ray = Ray { origin: Vec3::ZERO, dir: Vec3::Z, tnear: 0.0, tfar: 0.0 };
 
-/// The first surface of a path that can look at what others found.
-struct Lookout<'s, M: Mode> {
-    x: Vertex<'s, M>,
+/// Where one path of a group looks from, and what it found.
+struct Post<'s, M: Mode> {
+    progress: Progress,
+    /// The first surface that can look around.
+    x: Option<Vertex<'s, M>>,
+    /// The matte surface that the path found from x; the path goes on as its tail.
+    y: Option<Vertex<'s, M>>,
     /// Of the path up to x.
     throughput: M::Light,
     bounce: u32,
-}
-
-/// The matte surface that a path found from its lookout; the path goes on as its tail.
-struct Find<'s, M: Mode> {
-    y: Vertex<'s, M>,
-    /// Light that the path found up to and including y's emission.
+    /// Light found up to and including y's emission.
     radiance: M::Light,
 }
 
 /// How far a path has come.
 #[derive(Clone, Copy)]
-enum Stage {
+enum Progress {
     /// No surface yet that could look around.
-    Head,
-    /// Just left its lookout, having passed through so many surfaces.
+    Out,
+    /// Just left its post, having passed straight through so many surfaces until then.
     Left { passed: u32 },
     /// Followed for its own sake only.
     Tail,
@@ -56,100 +55,117 @@ enum Stage {
 
 /// Estimates the radiance of a group of paths of neighbouring pixels, into [`Path::radiance`]. They must have the same
 /// waves; how many they are changes the noise, not the mean. The paths go on side by side, one surface at a time, so that
-/// their rays are traced together.
+/// their rays can be traced together.
 pub fn radiances<M: Mode>(
     scene: &Scene<M>,
     paths: &mut ArrayVec<Path<M>, GROUP>,
     limits: &PathLimits,
     tally: &mut Tally,
 ) {
-    let mut lookouts: [Option<Lookout<M>>; GROUP] = std::array::from_fn(|_| None);
-    let mut finds: [Option<Find<M>>; GROUP] = std::array::from_fn(|_| None);
-    let first = if limits.strategy == Strategy::Shared { Stage::Head } else { Stage::Tail };
-    let mut stages = [first; GROUP];
+    let (throughput, radiance) = (M::Light::ONE, M::Light::ZERO);
+    let progress = if limits.strategy == Strategy::Shared { Progress::Out } else { Progress::Tail };
+    let mut posts: [Post<M>; GROUP] =
+        std::array::from_fn(|_| Post { progress, x: None, y: None, throughput, bounce: 0, radiance });
     let mut rays = [NO_RAY; GROUP];
-    let mut shadows = [NO_RAY; GROUP];
-    let mut lights = [M::Light::ZERO; GROUP];
     let mut active = 0u8;
     for (i, path) in paths.iter().enumerate() {
         rays[i] = path.ray;
         active |= 1 << i;
     }
     while active != 0 {
+        // Move every path to its next surface and on.
         tally.rays += u64::from(active.count_ones());
         let hits = scene.stage.intersect_batch(&rays, active);
-        let mut waiting = 0u8;
-        for (i, path) in paths.iter_mut().enumerate() {
+        let mut shadows = [NO_RAY; GROUP];
+        let mut lights = [M::Light::ZERO; GROUP];
+        let mut doubtful = 0u8;
+        for (i, (path, post)) in paths.iter_mut().zip(&mut posts).enumerate() {
             if active >> i & 1 == 0 {
                 continue;
             }
-            let vertex = match path.arrive(scene, scene.surface(&hits, i), limits) {
-                Arrival::At(surface) => path.vertex(scene, surface),
-                Arrival::Through => {
-                    rays[i] = path.ray;
-                    continue;
-                }
-                Arrival::End => {
-                    active &= !(1 << i);
-                    continue;
+            let goes_on = match path.arrive(scene, scene.surface(&hits, i), limits) {
+                Arrival::End => false,
+                Arrival::Through => true,
+                Arrival::At(surface) => {
+                    let vertex = path.vertex(scene, surface);
+                    let kept = post.judge(&vertex, path);
+                    let (direct, goes_on) = path.scatter(scene, &vertex, limits, tally);
+                    match direct.shadow {
+                        Some(shadow) => {
+                            (shadows[i], lights[i]) = (shadow, direct.light);
+                            doubtful |= 1 << i;
+                        }
+                        None => path.radiance += direct.light,
+                    }
+                    match kept {
+                        Kept::X => post.x = Some(vertex),
+                        Kept::Y => post.y = Some(vertex),
+                        Kept::Nothing => {}
+                    }
+                    goes_on
                 }
             };
-            // Note what the group will need of this vertex.
-            let (mut lookout, mut find) = (None, None);
-            match stages[i] {
-                Stage::Head if looks_around(&vertex, path) && path.bounce + 1 < limits.max_bounces => {
-                    lookout = Some((path.throughput, path.bounce));
-                    stages[i] = Stage::Left { passed: path.passed };
-                }
-                Stage::Left { passed } => {
-                    // Take what x leads to apart from what was found before.
-                    let toward_x = vertex.frame.to_world(vertex.wo);
-                    let direct = path.passed == passed && path.was_spread();
-                    if direct && is_matte(&vertex) && vertex.looks_the_same(toward_x) {
-                        path.importance *= path.throughput.max();
-                        path.throughput = M::Light::ONE;
-                        find = Some(std::mem::replace(&mut path.radiance, M::Light::ZERO));
-                    }
-                    stages[i] = Stage::Tail;
-                }
-                _ => {}
-            }
-            let (direct, goes_on) = path.scatter(scene, &vertex, limits, tally);
-            if let Some(shadow) = direct.shadow {
-                (shadows[i], lights[i]) = (shadow, direct.light);
-                waiting |= 1 << i;
-            } else {
-                path.radiance += direct.light;
-            }
             rays[i] = path.ray;
             if !goes_on {
                 active &= !(1 << i);
             }
-            if let Some((throughput, bounce)) = lookout {
-                lookouts[i] = Some(Lookout { x: vertex, throughput, bounce });
-            } else if let Some(radiance) = find {
-                finds[i] = Some(Find { y: vertex, radiance });
-            }
         }
-        let blocked = scene.stage.occluded_batch(&shadows, waiting);
+
+        // Add the light that nothing stands in the way of.
+        let hidden = scene.stage.occluded_batch(&shadows, doubtful);
         for (i, path) in paths.iter_mut().enumerate() {
-            if (waiting & !blocked) >> i & 1 == 1 {
+            if (doubtful & !hidden) >> i & 1 == 1 {
                 path.radiance += lights[i];
             }
         }
     }
 
     let mut gathered = [M::Light::ZERO; GROUP];
-    for (j, find) in finds.iter().enumerate() {
-        if let Some(find) = find {
-            hand_out(scene, &lookouts, j, find, paths[j].radiance, &paths[j].waves, &mut gathered, tally);
+    for (finder, path) in posts.iter().zip(&*paths) {
+        if let Some(y) = &finder.y {
+            hand_out(scene, &posts, (finder, y), path, &mut gathered, tally);
         }
     }
-    for (i, path) in paths.iter_mut().enumerate() {
-        if let Some(find) = &finds[i] {
-            path.radiance = find.radiance;
+    for ((path, post), gathered) in paths.iter_mut().zip(&posts).zip(gathered) {
+        if post.y.is_some() {
+            path.radiance = post.radiance;
         }
-        path.radiance += gathered[i];
+        path.radiance += gathered;
+    }
+}
+
+/// What a vertex is to its group.
+enum Kept {
+    X,
+    Y,
+    Nothing,
+}
+
+impl<M: Mode> Post<'_, M> {
+    /// Whether a path's next vertex is one to look from or one that was found. From a find on the path's radiance is what y
+    /// scatters; before, and without one, what the path found.
+    #[inline]
+    fn judge(&mut self, vertex: &Vertex<M>, path: &mut Path<M>) -> Kept {
+        match self.progress {
+            Progress::Out if looks_around(vertex, path) => {
+                self.progress = Progress::Left { passed: path.passed };
+                (self.throughput, self.bounce) = (path.throughput, path.bounce);
+                Kept::X
+            }
+            Progress::Left { passed } => {
+                self.progress = Progress::Tail;
+                let toward_x = vertex.frame.to_world(vertex.wo);
+                let straight = path.was_spread() && path.passed == passed;
+                if !(straight && is_matte(vertex) && vertex.looks_the_same(toward_x)) {
+                    return Kept::Nothing;
+                }
+                path.importance *= path.throughput.max();
+                path.throughput = M::Light::ONE;
+                self.radiance = std::mem::replace(&mut path.radiance, M::Light::ZERO);
+                Kept::Y
+            }
+            _ => Kept::Nothing,
+        }
     }
 }
 
@@ -167,57 +183,48 @@ fn is_matte<M: Mode>(y: &Vertex<M>) -> bool {
     matches!(y.bsdf, Bsdf::Diffuse(_))
 }
 
-/// Gives all lookouts their part of the `scattered` radiance of the j-th find.
-#[allow(clippy::too_many_arguments)]
+/// Gives all posts their part of what the find scatters, which is the radiance of the finder's path.
 fn hand_out<M: Mode>(
     scene: &Scene<M>,
-    lookouts: &[Option<Lookout<M>>; GROUP],
-    j: usize,
-    find: &Find<M>,
-    scattered: M::Light,
-    waves: &M::Waves,
+    posts: &[Post<M>; GROUP],
+    (finder, y): (&Post<M>, &Vertex<M>),
+    path: &Path<M>,
     gathered: &mut [M::Light; GROUP],
     tally: &mut Tally,
 ) {
-    let y = &find.y.surface;
-    let bounce = lookouts[j].as_ref().map(|own| own.bounce);
+    // What each post would make of y, if it sees it.
     let mut seen = [M::Light::ZERO; GROUP];
-    let mut densities = [0.0f32; GROUP];
+    let mut densities = [0.0; GROUP];
     let mut rays = [NO_RAY; GROUP];
-    let mut asked = 0u8;
-    for (k, lookout) in lookouts.iter().enumerate() {
-        let Some(Lookout { x, throughput, .. }) = lookout.as_ref().filter(|l| Some(l.bounce) == bounce) else {
-            continue;
-        };
-        let offset = y.position - x.surface.position;
+    let mut doubtful = 0u8;
+    for (k, post) in posts.iter().enumerate() {
+        let Some(x) = post.x.as_ref().filter(|_| post.bounce == finder.bounce) else { continue };
+        let offset = y.surface.position - x.surface.position;
         let distance2 = offset.length_squared();
         let distance_m = distance2.sqrt();
         let wi = offset * (1.0 / distance_m);
-        if !find.y.looks_the_same(-wi) {
+        if !y.looks_the_same(-wi) {
             continue;
         }
         let Some(local) = x.local(wi) else { continue };
-        let (value, pdf) = x.bsdf.eval(x.wo, local, waves);
-        if pdf <= 0.0 {
-            continue;
-        }
-        if k != j {
-            rays[k] = Ray { tfar: distance_m * (1.0 - GAP), ..Ray::new(x.surface.leave(wi), wi) };
-            asked |= 1 << k;
-        }
+        let (value, pdf) = x.eval(wi, local, &path.waves);
         // Per area of y instead of solid angle at x.
-        let geometry = y.ng.dot(wi).abs() / distance2;
+        let geometry = y.surface.ng.dot(wi).abs() / distance2;
         densities[k] = pdf * geometry;
-        seen[k] = *throughput * value * geometry;
+        seen[k] = post.throughput * value * geometry;
+        if !std::ptr::eq(post, finder) {
+            rays[k] = Ray { tfar: distance_m * (1.0 - GAP), ..Ray::new(x.surface.leave(wi), wi) };
+            doubtful |= 1 << k;
+        }
     }
-    tally.shadow_rays += u64::from(asked.count_ones());
-    let blocked = scene.stage.occluded_batch(&rays, asked);
-    let visible = |k: usize| blocked >> k & 1 == 0;
-    let density: f32 = (0..GROUP).filter(|&k| visible(k)).map(|k| densities[k]).sum();
+    tally.shadow_rays += u64::from(doubtful.count_ones());
+    let hidden = scene.stage.occluded_batch(&rays, doubtful);
+    let visible = |k: &usize| hidden >> k & 1 == 0;
+    let density: f32 = (0..GROUP).filter(visible).map(|k| densities[k]).sum();
     if density > 0.0 && density.is_finite() {
-        let scale = 1.0 / density;
-        for k in (0..GROUP).filter(|&k| visible(k)) {
-            gathered[k] += seen[k] * scattered * scale;
+        let scattered = path.radiance * (1.0 / density);
+        for k in (0..GROUP).filter(visible) {
+            gathered[k] += seen[k] * scattered;
         }
     }
 }

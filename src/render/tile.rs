@@ -4,6 +4,7 @@ use arrayvec::ArrayVec;
 use glam::Vec3;
 
 use crate::integrate::GROUP;
+use crate::math::distribution::spread_bits;
 
 pub const TILE_SIDE: u32 = 16;
 
@@ -72,16 +73,6 @@ impl Tile {
         };
         places.into_iter().map(tile).collect()
     }
-}
-
-/// Moves bit i to bit 2i.
-fn spread_bits(x: u32) -> u64 {
-    let mut x = u64::from(x);
-    for (shift, mask) in [(16, 0x0000_ffff_0000_ffff), (8, 0x00ff_00ff_00ff_00ff), (4, 0x0f0f_0f0f_0f0f_0f0f)] {
-        x = (x | x << shift) & mask;
-    }
-    x = (x | x << 2) & 0x3333_3333_3333_3333;
-    (x | x << 1) & 0x5555_5555_5555_5555
 }
 
 #[cfg(test)]

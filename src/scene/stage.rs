@@ -7,6 +7,7 @@ use glam::Vec3;
 
 use super::BuildError;
 use super::assembly::Assembly;
+use super::casters::Casters;
 use super::environment::{Sky, SkyImage};
 use super::light::{Emitter, Lights};
 use super::lighting;
@@ -27,6 +28,7 @@ pub struct Stage {
     /// The distinct spectra of all lights, by the numbers that sources carry.
     pub spectra: Vec<Emission>,
     pub lights: Lights,
+    pub casters: Casters,
     pub sensor: Sensor,
     /// Corners of a box around everything, world space; a unit box when the scene is empty.
     pub bounds: (Vec3, Vec3),
@@ -35,13 +37,13 @@ pub struct Stage {
 }
 
 impl Stage {
-    /// What the rays whose bit is set in `active` (bit i for ray i) meet first; see [`Scene::surface`](super::Scene::surface).
+    /// What the `active` rays (bit i for ray i) meet first, for [`Scene::surface`](super::Scene::surface).
     #[inline]
     pub fn intersect_batch(&self, rays: &[Ray; BATCH], active: u8) -> Hits {
         self.accel.intersect_batch(rays, active)
     }
 
-    /// On which of the rays whose bit is set in `active` any surface lies, whatever it is made of: bit i for ray i.
+    /// Which of the `active` rays (bit i for ray i) meet any surface, whatever it is made of.
     #[inline]
     pub fn occluded_batch(&self, rays: &[Ray; BATCH], active: u8) -> u8 {
         self.accel.occluded_batch(rays, active)
@@ -77,9 +79,7 @@ impl Stage {
         if let Some(environment) = &document.environment {
             let tint = assembly.source(environment.radiance * environment.strength, &environment.spectrum);
             let sky = match environment.image {
-                Some(image) => {
-                    Sky::Image(Box::new(SkyImage::new(textures[image].clone(), tint, environment.rotation_deg)))
-                }
+                Some(image) => Sky::Image(Box::new(SkyImage::new(&textures[image], tint, environment.rotation_deg))),
                 None => Sky::Constant(tint),
             };
             assembly.emitters.push(Emitter::Sky(sky));
@@ -90,6 +90,7 @@ impl Stage {
         let bounds = accel.bounds().unwrap_or((Vec3::splat(-0.5), Vec3::splat(0.5)));
         lighting::weigh_distant(&emitters, &mut power, bounds);
         Ok(Self {
+            casters: Casters::new(&places, &materials, &accel),
             accel,
             places,
             materials,
