@@ -36,6 +36,10 @@ pub struct Path<M: Mode> {
     pub(super) collapsed: bool,
     /// The next four numbers: for the surface and its holes.
     u_surface: [f32; 4],
+    /// True while the path is to leave out the light that its camera ray meets: it is found otherwise ([`seen_light`]).
+    ///
+    /// [`seen_light`]: super::seen_light
+    blind: bool,
 }
 
 /// What a path comes to at the end of its ray.
@@ -48,7 +52,8 @@ pub(super) enum Arrival<'s> {
 }
 
 impl<M: Mode> Path<M> {
-    pub fn new(ray: Ray, waves: M::Waves, sampler: Sampler) -> Self {
+    /// `blind` paths leave out what [`seen_light`](super::seen_light) finds.
+    pub fn new(ray: Ray, waves: M::Waves, sampler: Sampler, blind: bool) -> Self {
         Self {
             ray,
             waves,
@@ -62,6 +67,7 @@ impl<M: Mode> Path<M> {
             passed: 0,
             collapsed: false,
             u_surface: [0.0; 4],
+            blind,
         }
     }
 
@@ -78,7 +84,11 @@ impl<M: Mode> Path<M> {
         met: Option<Surface<'s>>,
         limits: &PathLimits,
     ) -> Arrival<'s> {
+        let blind = std::mem::take(&mut self.blind);
         let Some(surface) = met else {
+            if blind {
+                return Arrival::End;
+            }
             let (scattered, throughput, radiance) = (self.scattered, self.throughput, &mut self.radiance);
             scene.escape(self.ray.dir, &self.waves, |light, light_pdf| {
                 *radiance += throughput * light * hit_weight(scattered.map(|(_, pdf)| (pdf, light_pdf)), limits);
@@ -91,7 +101,7 @@ impl<M: Mode> Path<M> {
         }
 
         // Add what the surface emits.
-        if surface.emitter != u32::MAX {
+        if surface.emitter != u32::MAX && !blind {
             let light = scene.emitted(&surface, -self.ray.dir.dot(surface.ng), &self.waves);
             if !light.is_black() {
                 let lights = &scene.stage.lights;
