@@ -10,6 +10,8 @@ use pellicle::output::{is_complete, read_exr};
 
 #[path = "cli/faults.rs"]
 mod faults;
+#[path = "cli/merge.rs"]
+mod merge;
 #[path = "cli/signals.rs"]
 mod signals;
 

@@ -1,7 +1,10 @@
 //! Jobs: load once, build once, render, save.
 
+pub mod checkpoint;
 mod choose_mode;
 pub mod describe;
+pub mod merge;
+pub mod part;
 mod stats;
 pub mod still;
 

@@ -2,8 +2,10 @@
 
 mod check;
 mod film;
+mod merge;
 mod progress;
 mod render;
+mod sampling;
 mod scene_args;
 
 use std::io::Write;
@@ -28,6 +30,7 @@ enum Command {
     Render(render::RenderArgs),
     Check(check::CheckArgs),
     Film(Box<film::FilmArgs>),
+    Merge(merge::MergeArgs),
 }
 
 /// Runs the program: 0 when all is done, else the code that [`Error::exit_code`] documents.
@@ -37,6 +40,7 @@ pub fn main() -> ExitCode {
         Command::Render(args) => render::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Film(args) => film::run(&args),
+        Command::Merge(args) => merge::run(&args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

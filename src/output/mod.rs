@@ -7,6 +7,7 @@ mod atomic;
 mod error;
 mod exr_read;
 mod exr_write;
+mod part;
 mod picture;
 mod png;
 
@@ -14,6 +15,7 @@ pub use atomic::{check_writable, write_text};
 pub use error::OutputError;
 pub use exr_read::read_exr;
 pub use exr_write::write_exr;
+pub use part::{PartBlock, PartReader, write_part};
 pub use picture::{Crop, Format, HeaderValue, Layer, LayerKind, Picture, Written};
 pub use png::{PngDepth, write_png};
 

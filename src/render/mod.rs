@@ -1,25 +1,29 @@
 //! Pictures from paths: passes over tiles, accumulation, stopping, clocks.
 //!
-//! Samples are drawn per pixel in index order and added in f64, tiles share nothing: any number of threads gives the same
-//! bits, however the samples are cut into passes.
+//! A sample is a function of pixel and index alone, and sums are exact (`sums.rs`): any number of threads gives the same
+//! bits, however the samples are cut into passes, or into parts that other machines render.
 
+mod accumulation;
 mod clock;
 mod filter;
 mod frame;
+mod sums;
 mod tile;
 
+pub use accumulation::{Accumulation, Block};
 pub use clock::{available_memory, cpu_seconds, peak_rss_mb};
 pub use filter::Filter;
 pub use frame::Frame;
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 use rayon::prelude::*;
+pub use sums::Totals;
 use thiserror::Error;
 
 use crate::integrate::{PathLimits, Tally, radiance};
 use crate::math::Sampler;
 use crate::mode::{Lanes, Mode};
 use crate::scene::{Camera, Scene};
-use tile::{Pixel, Tile};
+use tile::Tile;
 
 /// Largest number of samples that a pass adds to each pixel. A render stops between tiles: no pixel is then more than this
 /// ahead of another.
@@ -77,27 +81,45 @@ pub fn render<M: Mode>(
     plan: &Plan,
     watch: &dyn Watch,
 ) -> Result<Frame, RenderError> {
+    let mut sums = Accumulation::new(camera.size, 0..plan.spp);
+    accumulate(scene, camera, plan, &mut sums, watch)?;
+    Ok(sums.into_frame())
+}
+
+/// Adds to `sums` the samples that it lacks of its range, or as many of them as there are until the watch stops.
+///
+/// # Errors
+/// Threads that the machine cannot give.
+pub fn accumulate<M: Mode>(
+    scene: &Scene<M>,
+    camera: &Camera,
+    plan: &Plan,
+    sums: &mut Accumulation,
+    watch: &dyn Watch,
+) -> Result<(), RenderError> {
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(plan.threads)
         .build()
         .map_err(|e| RenderError::Threads { threads: plan.threads, reason: e.to_string() })?;
-    let mut tiles = Tile::grid(camera.size);
+    sums.threads = pool.current_num_threads();
     let clock = std::time::Instant::now();
     let cpu_start = cpu_seconds();
-    let mut tally = Tally::default();
-    let mut done = 0;
-    while done < plan.spp {
+    let total = sums.samples.end - sums.samples.start;
+    let mut done = sums.spp();
+    while done < total && !watch.stop() {
         // Small passes first, so that a short render shows something early.
-        let count = done.clamp(1, PASS_SPP).min(plan.spp - done);
-        let pass = pool.install(|| {
-            tiles
+        done += done.clamp(1, PASS_SPP).min(total - done);
+        let end = sums.samples.start + done;
+        sums.tally += pool.install(|| {
+            sums.tiles
                 .par_iter_mut()
                 .map(|tile| {
-                    if watch.stop() {
+                    if tile.next >= end || watch.stop() {
                         return Tally::default();
                     }
-                    let tally = render_tile(scene, camera, plan, tile, done..done + count);
-                    watch.advanced(u64::from(count) * tile.pixels.len() as u64);
+                    let samples = tile.next..end;
+                    let tally = render_tile(scene, camera, plan, tile, samples.clone());
+                    watch.advanced(samples.len() as u64 * tile.sums.len() as u64);
                     tally
                 })
                 .reduce(Tally::default, |mut a, b| {
@@ -105,15 +127,10 @@ pub fn render<M: Mode>(
                     a
                 })
         });
-        tally += pass;
-        done += count;
-        if watch.stop() {
-            break;
-        }
     }
-    let render_s = clock.elapsed().as_secs_f64();
-    let render_cpu_s = cpu_seconds() - cpu_start;
-    Ok(Frame::resolve(camera.size, tiles, tally, pool.current_num_threads(), render_s, render_cpu_s))
+    sums.render_s += clock.elapsed().as_secs_f64();
+    sums.render_cpu_s += cpu_seconds() - cpu_start;
+    Ok(())
 }
 
 fn render_tile<M: Mode>(
@@ -124,17 +141,20 @@ fn render_tile<M: Mode>(
     samples: std::ops::Range<u32>,
 ) -> Tally {
     let mut tally = Tally::default();
-    let (x0, y0, width) = (tile.x0, tile.y0, tile.width);
-    for (i, pixel) in tile.pixels.iter_mut().enumerate() {
-        let (x, y) = (x0 + i as u32 % width, y0 + i as u32 / width);
+    for i in 0..tile.sums.len() {
+        let pixel = [tile.x0 + i as u32 % tile.width, tile.y0 + i as u32 / tile.width];
         for index in samples.clone() {
-            render_sample(scene, camera, plan, [x, y], index, pixel, &mut tally);
+            match render_sample(scene, camera, plan, pixel, index, &mut tally) {
+                Some(rgb) => tally.beyond_range += u64::from(!tile.sums.add_sample(i, rgb)),
+                None => tally.non_finite += 1,
+            }
         }
     }
-    tile.spp = samples.end;
+    tile.next = samples.end;
     tally
 }
 
+/// Linear sRGB of one sample; `None` where it is not a number.
 #[inline]
 fn render_sample<M: Mode>(
     scene: &Scene<M>,
@@ -142,9 +162,8 @@ fn render_sample<M: Mode>(
     plan: &Plan,
     [x, y]: [u32; 2],
     index: u32,
-    pixel: &mut Pixel,
     tally: &mut Tally,
-) {
+) -> Option<Vec3> {
     let mut sampler = Sampler::new(y.wrapping_mul(camera.size[0]).wrapping_add(x), index, plan.seed);
     let [u_x, u_y, lens_x, lens_y] = sampler.next_4d();
     let offset = Vec2::new(plan.filter.sample(u_x), plan.filter.sample(u_y));
@@ -152,9 +171,5 @@ fn render_sample<M: Mode>(
     let mut waves = if M::SAMPLES_WAVES { M::waves(sampler.next_4d()[0]) } else { M::waves(0.0) };
     let ray = camera.ray(position, [lens_x, lens_y]);
     let light = radiance(scene, ray, &mut waves, &mut sampler, &plan.limits, tally);
-    if light.is_finite() {
-        pixel.add(M::to_rgb(light, &waves, &scene.stage.sensor));
-    } else {
-        tally.non_finite += 1;
-    }
+    light.is_finite().then(|| M::to_rgb(light, &waves, &scene.stage.sensor))
 }
