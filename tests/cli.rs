@@ -8,6 +8,8 @@ use std::time::{Duration, Instant};
 
 use pellicle::output::{is_complete, read_exr};
 
+#[path = "cli/encode.rs"]
+mod encode;
 #[path = "cli/faults.rs"]
 mod faults;
 #[path = "cli/merge.rs"]

@@ -3,6 +3,8 @@
 pub mod checkpoint;
 mod choose_mode;
 pub mod describe;
+pub mod encode;
+pub mod frames;
 pub mod merge;
 pub mod part;
 mod stats;

@@ -66,6 +66,11 @@ impl<'a> Temporary<'a> {
         Ok(Self { target, folder, name, file, committed: false })
     }
 
+    /// For programs that open files themselves.
+    pub fn path(&self) -> &Path {
+        &self.name
+    }
+
     pub fn file(&self) -> &File {
         &self.file
     }

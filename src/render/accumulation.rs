@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::frame::Frame;
-use super::sums::{Sums, Totals, means};
+use super::sums::{Sums, Totals, estimate};
 use super::tile::Tile;
 use crate::integrate::Tally;
 
@@ -103,23 +103,15 @@ impl Accumulation {
         let [width, height] = self.size;
         let count = width as usize * height as usize;
         let mut rgb = vec![[0.0; 3]; count];
-        let mut variance = vec![[f32::INFINITY; 3]; count];
+        let mut variance = vec![[0.0; 3]; count];
         let spp = self.spp();
         for tile in self.tiles {
-            // A tile that was never reached stays black.
-            let samples = tile.next - self.samples.start;
-            let n = f64::from(samples.max(1));
             for i in 0..tile.sums.len() {
                 let (x, y) = (tile.x0 + i as u32 % tile.width, tile.y0 + i as u32 / tile.width);
                 let index = y as usize * width as usize + x as usize;
-                let (mean, square) = means(&tile.sums.get(i), n);
-                rgb[index] = mean.map(|mean| mean as f32);
-                if samples > 1 {
-                    for channel in 0..3 {
-                        let spread = (square[channel] - mean[channel] * mean[channel]).max(0.0);
-                        variance[index][channel] = (spread / (n - 1.0)) as f32;
-                    }
-                }
+                let channels = estimate(&tile.sums.get(i), tile.next - self.samples.start);
+                rgb[index] = channels.map(|(mean, _)| mean as f32);
+                variance[index] = channels.map(|(_, variance)| variance as f32);
             }
         }
         let Self { tally, threads, render_s, render_cpu_s, .. } = self;

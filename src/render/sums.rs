@@ -86,10 +86,16 @@ impl Sums {
     }
 }
 
-/// Means of R, G, B and of their squares over `n` samples.
-pub fn means(totals: &Totals, n: f64) -> ([f64; 3], [f64; 3]) {
-    let [r, g, b, rr, gg, bb] = totals.map(|total| total as f64);
-    ([r, g, b].map(|sum| sum / STEPS / n), [rr, gg, bb].map(|sum| sum / SQUARE_STEPS / n))
+/// Per channel the mean of `spp` samples, and the variance of that mean; infinite below two samples.
+pub fn estimate(totals: &Totals, spp: u32) -> [(f64, f64); 3] {
+    // A pixel that was never reached stays black.
+    let n = f64::from(spp.max(1));
+    std::array::from_fn(|channel| {
+        let mean = totals[channel] as f64 / STEPS / n;
+        let square = totals[channel + 3] as f64 / SQUARE_STEPS / n;
+        let variance = if spp > 1 { (square - mean * mean).max(0.0) / (n - 1.0) } else { f64::INFINITY };
+        (mean, variance)
+    })
 }
 
 /// A sample's radiance and its squares, in steps and parts of steps. f64 holds the square of an f32 exactly.
@@ -167,12 +173,13 @@ mod tests {
     fn means_are_those_of_the_samples_at_every_brightness() {
         for scale in [1e-7f32, 1e-3, 1.0, 1e3, 1e6, 1e9] {
             let samples: Vec<Vec3> = (1..=1000).map(|i| Vec3::splat(i as f32 / 500.0 * scale)).collect();
-            let (mean, square) = means(&sum(samples.iter().copied()), 1000.0);
+            let (mean, variance) = estimate(&sum(samples.iter().copied()), 1000)[0];
             let exact = samples.iter().map(|rgb| f64::from(rgb.x)).sum::<f64>() / 1000.0;
-            assert!((mean[0] / exact - 1.0).abs() < 1e-4, "{scale}: {} for {exact}", mean[0]);
-            let exact = samples.iter().map(|rgb| f64::from(rgb.y).powi(2)).sum::<f64>() / 1000.0;
-            let step = 1.0 / SQUARE_STEPS;
-            assert!((square[1] - exact).abs() < 1e-4 * exact + step, "{scale}: {} for {exact}", square[1]);
+            assert!((mean / exact - 1.0).abs() < 1e-4, "{scale}: {mean} for {exact}");
+            let spread: f64 = samples.iter().map(|rgb| (f64::from(rgb.x) - exact).powi(2)).sum();
+            let exact = spread / 1000.0 / 999.0;
+            let step = 1.0 / SQUARE_STEPS / 999.0;
+            assert!((variance - exact).abs() < 1e-4 * exact + step, "{scale}: {variance} for {exact}");
         }
     }
 
@@ -187,6 +194,6 @@ mod tests {
         assert!(matches!(sums, Sums::Wide(_)));
         assert!(!sums.add_sample(1, Vec3::splat(1e13)));
         assert_eq!(sums.get(1)[0], (1_000_000i128 + (1 << 32)) << 32);
-        assert_eq!(sums.get(0)[0], 65_536 * 40 << 32);
+        assert_eq!(sums.get(0)[0], (65_536 * 40) << 32);
     }
 }

@@ -149,7 +149,8 @@ fn damaged_parts_are_refused() {
     let mut flipped = bytes.clone();
     flipped[bytes.len() / 2] ^= 1;
     let longer = [&bytes[..], b"more"].concat();
-    for broken in [&bytes[..10], &bytes[..100], &bytes[..bytes.len() / 2], &bytes[..bytes.len() - 1], &flipped, &longer] {
+    for broken in [&bytes[..10], &bytes[..100], &bytes[..bytes.len() / 2], &bytes[..bytes.len() - 1], &flipped, &longer]
+    {
         fs::write(&parts[1], broken).unwrap();
         let stderr = fail(1, &["merge", &parts[0], &parts[1], "-o", &output, "--quiet"]);
         assert!(stderr.contains("cannot read") && stderr.contains("12.part"), "{stderr}");
