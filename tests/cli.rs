@@ -16,6 +16,8 @@ mod faults;
 mod merge;
 #[path = "cli/signals.rs"]
 mod signals;
+#[path = "cli/slurm.rs"]
+mod slurm;
 
 /// An empty folder with the name of its test, removed at the end.
 struct Folder(PathBuf);
