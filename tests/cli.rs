@@ -275,7 +275,7 @@ fn check_survives_a_reader_that_goes_away() {
 #[test]
 fn help_shows_an_example_of_every_subcommand() {
     let overview = succeed(&["--help"]).stdout;
-    for subcommand in ["render", "check"] {
+    for subcommand in ["render", "check", "merge", "encode"] {
         assert!(overview.contains(&format!("  {subcommand}")), "{overview}");
         let help = succeed(&[subcommand, "--help"]).stdout;
         assert!(help.contains(&format!("  pellicle {subcommand} ")), "{help}");

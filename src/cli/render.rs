@@ -1,5 +1,6 @@
 //! `pellicle render`: one picture.
 
+use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -240,14 +241,11 @@ impl Job<'_> {
             true => Some(Saver::new(&prepared, document, plan, args.scene.reading(), &args.output)?),
             false => None,
         };
-        let mut sums = None;
-        if let (Some(saver), true) = (&saver, args.sampling.resume) {
-            sums = saver.restore(&saver.checkpoint, &samples, inform)?;
-            if sums.is_none() && self.target == Target::Part {
-                sums = saver.restore(&args.output, &samples, inform)?;
-            }
-        }
-        let mut sums = sums.unwrap_or_else(|| Accumulation::new(prepared.camera.size, samples));
+        let earlier = match (&saver, args.sampling.resume) {
+            (Some(saver), true) => self.earlier(saver, &samples)?,
+            _ => None,
+        };
+        let mut sums = earlier.unwrap_or_else(|| Accumulation::new(prepared.camera.size, samples));
         let style = if args.quiet { ProgressArg::None } else { args.progress };
         let [width, height] = sums.size;
         let left = sums.samples.len() as u64 - u64::from(sums.spp());
@@ -283,6 +281,20 @@ impl Job<'_> {
             print(&format!("{}\n", frame.sha256()))?;
         }
         stopped
+    }
+
+    /// What `--resume` goes on from, if anything.
+    fn earlier<M: Mode>(&self, saver: &Saver<M>, samples: &Range<u32>) -> Result<Option<Accumulation>, Error> {
+        let inform = |line: &str| {
+            if !self.args.quiet {
+                say(line);
+            }
+        };
+        match saver.restore(&saver.checkpoint, samples, inform)? {
+            // A part that is done already is not rendered again.
+            None if self.target == Target::Part => saver.restore(&self.args.output, samples, inform),
+            sums => Ok(sums),
+        }
     }
 
     /// The sums themselves go into a file, or may.

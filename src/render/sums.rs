@@ -3,8 +3,8 @@
 //! A sample's radiance is rounded to a multiple of 2^-32 and its square to a multiple of 2^-36; from there on nothing is
 //! rounded. The quanta are constants: every process agrees on them without knowing the picture. They are small enough for
 //! dark pictures (radiance 2.3e-10 still counts, and a standard deviation down to 4e-6 is told from none), and 64 bits on top
-//! of them hold what pictures usually are. A tile where they do not suffice (a radiance above 2048, or 65536 samples of 45)
-//! goes on in 128 bits, which hold 2^36 samples of any radiance up to [`LARGEST`].
+//! of them hold what pictures usually are. A tile where they do not suffice (one sample of 11585, or 65536 samples of 45)
+//! goes on in 128 bits, which hold 2^27 samples of any radiance up to [`LARGEST`].
 
 use glam::Vec3;
 
@@ -12,13 +12,52 @@ use glam::Vec3;
 const STEPS: f64 = (1u64 << 32) as f64;
 /// Steps of the sums of squares in a radiance of 1.
 const SQUARE_STEPS: f64 = (1u64 << 36) as f64;
-/// Largest radiance that is added up without a look at the sums' width: its square has 58 bits.
-const USUAL: f32 = 2048.0;
+/// Largest radiance that is added without a look at its bits: its square's 50 fit into the mantissa of an f64.
+const USUAL: f32 = 128.0;
+/// Samples up to [`USUAL`] whose squares 64 bits hold.
+const MOST_USUAL: u32 = 1 << 12;
+/// Added to an f64 below 2^51 in size, rounds it to a whole number that is then the low bits of the mantissa.
+const ROUND: f64 = (3u64 << 51) as f64;
 /// Radiance beyond which a sample, in either direction, counts as this; about twice the luminance of the sun in cd/m2.
 pub const LARGEST: f32 = (1u64 << 32) as f32;
 
 /// Of the samples of one pixel: of R, G, B in steps of 2^-32, then of their squares in steps of 2^-36.
 pub type Totals = [i128; 6];
+
+/// Some samples of one pixel, on their way to its totals: in registers while they are traced.
+#[derive(Default)]
+pub struct Samples {
+    usual: [i64; 6],
+    count: u32,
+    /// Of samples beyond [`USUAL`], and of others where they were many.
+    bright: Option<Totals>,
+}
+
+impl Samples {
+    /// Adds a sample; false where it was beyond [`LARGEST`].
+    #[inline]
+    pub fn add(&mut self, rgb: Vec3) -> bool {
+        let size = rgb.abs().max_element();
+        if size <= USUAL && self.count < MOST_USUAL {
+            self.count += 1;
+            for (sum, step) in self.usual.iter_mut().zip(steps(rgb)) {
+                *sum += ((step + ROUND).to_bits() as i64).wrapping_sub(ROUND.to_bits() as i64);
+            }
+            return true;
+        }
+        let limited = rgb.clamp(Vec3::splat(-LARGEST), Vec3::splat(LARGEST));
+        let totals = self.bright.get_or_insert_default();
+        for (sum, step) in totals.iter_mut().zip(steps(limited)) {
+            *sum += step.round_ties_even() as i128;
+        }
+        size <= LARGEST
+    }
+
+    fn totals(&self) -> Totals {
+        let bright = self.bright.unwrap_or_default();
+        std::array::from_fn(|i| i128::from(self.usual[i]) + bright[i])
+    }
+}
 
 /// The totals of the pixels of a tile.
 pub enum Sums {
@@ -50,25 +89,23 @@ impl Sums {
         }
     }
 
-    /// Adds one sample to a pixel; false where it was beyond [`LARGEST`]. The radiance is a number.
+    /// Adds more samples of a pixel.
     #[inline]
-    pub fn add_sample(&mut self, index: usize, rgb: Vec3) -> bool {
-        let size = rgb.abs().max_element();
-        if let (Self::Narrow(pixels), true) = (&mut *self, size <= USUAL) {
-            if let Some(sum) = narrow_sum(&pixels[index], &steps(rgb).map(|step| round(step) as i64)) {
+    pub fn add_samples(&mut self, index: usize, samples: &Samples) {
+        if let (Self::Narrow(pixels), None) = (&mut *self, &samples.bright) {
+            if let Some(sum) = narrow_sum(&pixels[index], &samples.usual) {
                 pixels[index] = sum;
-                return true;
+                return;
             }
         }
-        self.add(index, &steps(rgb.clamp(Vec3::splat(-LARGEST), Vec3::splat(LARGEST))).map(|step| round(step) as i128));
-        size <= LARGEST
+        self.add(index, &samples.totals());
     }
 
     /// Adds totals of the same pixel.
     pub fn add(&mut self, index: usize, totals: &Totals) {
         let mut sum = self.get(index);
         for (value, more) in sum.iter_mut().zip(totals) {
-            // 2^36 samples of the largest radiance would fit.
+            // 2^27 samples of the largest radiance fit.
             *value = value.saturating_add(*more);
         }
         if let Self::Narrow(pixels) = self {
@@ -103,12 +140,6 @@ pub fn estimate(totals: &Totals, spp: u32) -> [(f64, f64); 3] {
 fn steps(rgb: Vec3) -> [f64; 6] {
     let [r, g, b] = rgb.to_array().map(f64::from);
     [r * STEPS, g * STEPS, b * STEPS, r * r * SQUARE_STEPS, g * g * SQUARE_STEPS, b * b * SQUARE_STEPS]
-}
-
-/// To the nearest whole number, away from zero at halves; the cast that follows cuts.
-#[inline]
-fn round(steps: f64) -> f64 {
-    steps + 0.5f64.copysign(steps)
 }
 
 /// `None` where 64 bits do not hold them.
@@ -148,10 +179,12 @@ mod tests {
     }
 
     fn sum(samples: impl Iterator<Item = Vec3>) -> Totals {
-        let mut sums = Sums::new(1);
+        let mut sum = Samples::default();
         samples.for_each(|rgb| {
-            sums.add_sample(0, rgb);
+            sum.add(rgb);
         });
+        let mut sums = Sums::new(1);
+        sums.add_samples(0, &sum);
         sums.get(0)
     }
 
@@ -186,13 +219,15 @@ mod tests {
     #[test]
     fn tiles_widen_only_where_they_must() {
         let mut sums = Sums::new(2);
-        for _ in 0..65_536 {
-            assert!(sums.add_sample(0, Vec3::splat(40.0)));
-        }
+        let mut many = Samples::default();
+        assert!((0..65_536).all(|_| many.add(Vec3::splat(40.0))));
+        sums.add_samples(0, &many);
         assert!(matches!(sums, Sums::Narrow(_)));
-        assert!(sums.add_sample(1, Vec3::splat(1e6)));
+        let mut bright = Samples::default();
+        assert!(bright.add(Vec3::splat(1e6)));
+        assert!(!bright.add(Vec3::splat(1e13)));
+        sums.add_samples(1, &bright);
         assert!(matches!(sums, Sums::Wide(_)));
-        assert!(!sums.add_sample(1, Vec3::splat(1e13)));
         assert_eq!(sums.get(1)[0], (1_000_000i128 + (1 << 32)) << 32);
         assert_eq!(sums.get(0)[0], (65_536 * 40) << 32);
     }
