@@ -131,6 +131,7 @@ impl<M: Mode> Prepared<M> {
             samples_per_s: samples / frame.render_s,
             mrays_per_s: rays as f64 * 1e-6 / frame.render_s,
             non_finite: frame.tally.non_finite,
+            beyond_range: frame.tally.beyond_range,
             clamped: 0,
             out_of_gamut: 0,
             peak_rss_mb: render::peak_rss_mb(),

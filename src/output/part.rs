@@ -53,7 +53,10 @@ pub fn write_part(path: &Path, header: &str, blocks: impl Iterator<Item = PartBl
                 let values = block.values.iter().map(|pixel| pixel[column]);
                 let width = values.clone().map(bytes_needed).max().unwrap_or(0);
                 file.write_all(&[width as u8])?;
-                let bytes: Vec<u8> = values.flat_map(|value| value.to_le_bytes().into_iter().take(width)).collect();
+                let mut bytes = Vec::with_capacity(width * block.values.len());
+                for value in values {
+                    bytes.extend_from_slice(&value.to_le_bytes()[..width]);
+                }
                 file.write_all(&bytes)?;
             }
         }
