@@ -38,7 +38,7 @@ pub(super) fn direct_light<M: Mode>(
 
     // Evaluate the surface for that direction.
     let Some(wi) = vertex.local(sample.wi) else { return Direct::NONE };
-    let (value, scatter_pdf) = vertex.eval(sample.wi, wi, waves);
+    let (value, scatter_pdf) = vertex.bsdf.eval(vertex.wo, wi, waves);
     if value.is_black() {
         return Direct::NONE;
     }

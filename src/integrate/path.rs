@@ -36,6 +36,10 @@ pub struct Path<M: Mode> {
     pub(super) collapsed: bool,
     /// The next four numbers: for the surface and its holes.
     u_surface: [f32; 4],
+    /// True while the path is to leave out the light that its camera ray meets: it is found otherwise ([`seen_light`]).
+    ///
+    /// [`seen_light`]: super::seen_light
+    blind: bool,
 }
 
 /// What a path comes to at the end of its ray.
@@ -48,7 +52,8 @@ pub(super) enum Arrival<'s> {
 }
 
 impl<M: Mode> Path<M> {
-    pub fn new(ray: Ray, waves: M::Waves, sampler: Sampler) -> Self {
+    /// `blind` paths leave out what [`seen_light`](super::seen_light) finds.
+    pub fn new(ray: Ray, waves: M::Waves, sampler: Sampler, blind: bool) -> Self {
         Self {
             ray,
             waves,
@@ -62,6 +67,7 @@ impl<M: Mode> Path<M> {
             passed: 0,
             collapsed: false,
             u_surface: [0.0; 4],
+            blind,
         }
     }
 
@@ -78,7 +84,11 @@ impl<M: Mode> Path<M> {
         met: Option<Surface<'s>>,
         limits: &PathLimits,
     ) -> Arrival<'s> {
+        let blind = std::mem::take(&mut self.blind);
         let Some(surface) = met else {
+            if blind {
+                return Arrival::End;
+            }
             let (scattered, throughput, radiance) = (self.scattered, self.throughput, &mut self.radiance);
             scene.escape(self.ray.dir, &self.waves, |light, light_pdf| {
                 *radiance += throughput * light * hit_weight(scattered.map(|(_, pdf)| (pdf, light_pdf)), limits);
@@ -91,7 +101,7 @@ impl<M: Mode> Path<M> {
         }
 
         // Add what the surface emits.
-        if surface.emitter != u32::MAX {
+        if surface.emitter != u32::MAX && !blind {
             let light = scene.emitted(&surface, -self.ray.dir.dot(surface.ng), &self.waves);
             if !light.is_black() {
                 let lights = &scene.stage.lights;
@@ -131,7 +141,7 @@ impl<M: Mode> Path<M> {
         limits: &PathLimits,
         tally: &mut Tally,
     ) -> (Direct<M::Light>, bool) {
-        let [u_light, u_light_x, u_light_y, u_roulette] = self.sampler.next_4d();
+        let [u_light_x, u_light_y, u_light, u_roulette] = self.sampler.next_4d();
         let mut direct = Direct::NONE;
         if !vertex.bsdf.is_delta() {
             direct = direct_light(scene, vertex, [u_light, u_light_x, u_light_y], &self.waves, limits, tally);
@@ -144,8 +154,8 @@ impl<M: Mode> Path<M> {
     /// Samples the surface; false where the path ends.
     #[inline]
     fn send_on(&mut self, vertex: &Vertex<M>, u_roulette: f32) -> bool {
-        let [u_lobe, u_x, u_y, _] = self.u_surface;
-        let Some(sample) = vertex.sample([u_lobe, u_x, u_y], &self.waves) else { return false };
+        let [u_x, u_y, u_lobe, _] = self.u_surface;
+        let Some(sample) = vertex.bsdf.sample(vertex.wo, [u_lobe, u_x, u_y], &self.waves) else { return false };
         let wi = vertex.frame.to_world(sample.wi);
         if wi.dot(vertex.surface.ng) * sample.wi.z <= 0.0 && !matches!(sample.pdf, Pdf::Through(_)) {
             // An interpolated normal sent the ray to the wrong side of the real surface.

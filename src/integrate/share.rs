@@ -207,7 +207,7 @@ fn hand_out<M: Mode>(
             continue;
         }
         let Some(local) = x.local(wi) else { continue };
-        let (value, pdf) = x.eval(wi, local, &path.waves);
+        let (value, pdf) = x.bsdf.eval(x.wo, local, &path.waves);
         // Per area of y instead of solid angle at x.
         let geometry = y.surface.ng.dot(wi).abs() / distance2;
         densities[k] = pdf * geometry;

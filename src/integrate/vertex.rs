@@ -2,10 +2,10 @@
 
 use glam::Vec3;
 
-use crate::bsdf::{Bsdf, BsdfSample, Pdf};
+use crate::bsdf::Bsdf;
 use crate::math::Frame;
-use crate::mode::{Lanes, Mode};
-use crate::scene::{Cones, Material, Scene, Surface};
+use crate::mode::Mode;
+use crate::scene::{Material, Scene, Surface};
 
 /// Smallest cosine between a bent shading normal and the viewer.
 const GRAZING: f32 = 1e-3;
@@ -21,8 +21,6 @@ pub(super) struct Vertex<'s, M: Mode> {
     pub absorption_per_m: Vec3,
     /// True when the interpolated normal had to be bent to face the viewer: scattering then depends on where that is.
     pub bent: bool,
-    /// Where a matte surface sees shapes that gather light.
-    cones: Option<Cones>,
 }
 
 impl<'s, M: Mode> Vertex<'s, M> {
@@ -38,11 +36,7 @@ impl<'s, M: Mode> Vertex<'s, M> {
         let (frame, bent) = facing(material.normal(&surface, scene.textures()), surface.ng, toward_viewer);
         let bsdf = material.bsdf(&surface, scene.textures(), waves);
         let wo = frame.to_local(toward_viewer);
-        let cones = match bsdf {
-            Bsdf::Diffuse(_) | Bsdf::CoatedDiffuse(_) => scene.stage.casters.cones(surface.position),
-            Bsdf::Black | Bsdf::Conductor(_) | Bsdf::Dielectric(_) => None,
-        };
-        Self { surface, material, frame, bsdf, wo, absorption_per_m, bent, cones }
+        Self { surface, material, frame, bsdf, wo, absorption_per_m, bent }
     }
 
     /// The local direction, unless interpolated normal and real surface disagree about its side.
@@ -50,48 +44,6 @@ impl<'s, M: Mode> Vertex<'s, M> {
     pub fn local(&self, wi: Vec3) -> Option<Vec3> {
         let local = self.frame.to_local(wi);
         (local.z * wi.dot(self.surface.ng) > 0.0).then_some(local)
-    }
-
-    /// (f |cos theta_i|, density of [`Vertex::sample`] in 1/sr) for a direction in world and local space.
-    #[inline]
-    pub fn eval(&self, wi: Vec3, local: Vec3, waves: &M::Waves) -> (M::Light, f32) {
-        let (value, pdf) = self.bsdf.eval(self.wo, local, waves);
-        match &self.cones {
-            Some(cones) => (value, cones.mixed_pdf(pdf, wi)),
-            None => (value, pdf),
-        }
-    }
-
-    /// Draws a direction, as [`Bsdf::sample`] does, from the surface's scattering and what there is to aim at.
-    #[inline]
-    pub fn sample(&self, [u_lobe, u_x, u_y]: [f32; 3], waves: &M::Waves) -> Option<BsdfSample<M>> {
-        let Some(cones) = &self.cones else { return self.bsdf.sample(self.wo, [u_lobe, u_x, u_y], waves) };
-        match cones.sample([u_lobe, u_x, u_y]) {
-            Ok(direction) => {
-                let wi = self.frame.to_local(direction);
-                let (value, pdf) = self.eval(direction, wi, waves);
-                let seen = !value.is_black();
-                seen.then(|| BsdfSample {
-                    wi,
-                    weight: value * (1.0 / pdf),
-                    pdf: Pdf::SolidAngle(pdf),
-                    collapses: false,
-                })
-            }
-            Err(u_lobe) => {
-                let mut sample = self.bsdf.sample(self.wo, [u_lobe, u_x, u_y], waves)?;
-                let factor = match sample.pdf {
-                    Pdf::SolidAngle(own) => {
-                        let pdf = cones.mixed_pdf(own, self.frame.to_world(sample.wi));
-                        sample.pdf = Pdf::SolidAngle(pdf);
-                        own / pdf
-                    }
-                    Pdf::Delta | Pdf::Through(_) => cones.own_weight(),
-                };
-                sample.weight = sample.weight * factor;
-                Some(sample)
-            }
-        }
     }
 
     /// True when a viewer in direction `toward` would see this surface from the same side and through the same normal.

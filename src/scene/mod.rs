@@ -5,7 +5,6 @@
 
 mod assembly;
 mod camera;
-mod casters;
 mod environment;
 mod light;
 mod lighting;
@@ -19,7 +18,6 @@ use std::sync::Arc;
 use std::time::Instant;
 
 pub use camera::{Camera, Framing, Placed, cameras};
-pub use casters::{Casters, Cones};
 use glam::Vec3;
 use light::Source;
 pub use light::{LightAt, LightSample, Lights};

@@ -7,7 +7,6 @@ use glam::Vec3;
 
 use super::BuildError;
 use super::assembly::Assembly;
-use super::casters::Casters;
 use super::environment::{Sky, SkyImage};
 use super::light::{Emitter, Lights};
 use super::lighting;
@@ -28,7 +27,6 @@ pub struct Stage {
     /// The distinct spectra of all lights, by the numbers that sources carry.
     pub spectra: Vec<Emission>,
     pub lights: Lights,
-    pub casters: Casters,
     pub sensor: Sensor,
     /// Corners of a box around everything, world space; a unit box when the scene is empty.
     pub bounds: (Vec3, Vec3),
@@ -90,7 +88,6 @@ impl Stage {
         let bounds = accel.bounds().unwrap_or((Vec3::splat(-0.5), Vec3::splat(0.5)));
         lighting::weigh_distant(&emitters, &mut power, bounds);
         Ok(Self {
-            casters: Casters::new(&places, &materials, &accel),
             accel,
             places,
             materials,
