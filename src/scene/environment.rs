@@ -3,7 +3,7 @@
 use std::f32::consts::{FRAC_1_PI, PI, TAU};
 use std::sync::Arc;
 
-use glam::{Mat3, Vec2, Vec3};
+use glam::{DVec3, Mat3, Vec2, Vec3};
 
 use super::light::Source;
 use super::texture::Texture;
@@ -27,11 +27,13 @@ pub struct SkyImage {
     to_image: Mat3,
     /// Luminance times the sine that the projection squeezes.
     density: Option<Grid>,
+    /// Of the texels over the sphere.
+    mean: Vec3,
 }
 
 impl SkyImage {
-    /// `rotation_deg` turns the image about world up, anticlockwise seen from above.
-    pub fn new(texture: Arc<Texture>, tint: Source, rotation_deg: f32) -> Self {
+    /// The image as it is; [`set`](Self::set) gives it tint and rotation.
+    pub fn new(texture: Arc<Texture>) -> Self {
         let (width, height) = (texture.width(), texture.height());
         let mut weights = Vec::with_capacity(width * height);
         for y in 0..height {
@@ -53,7 +55,15 @@ impl SkyImage {
             }
         }
         let density = Grid::new(&weights, width);
-        Self { texture, tint, to_image: Mat3::from_rotation_y(-rotation_deg.to_radians()), density }
+        let mean = mean(&texture);
+        let tint = Source { rgb: Vec3::ONE, spectrum: 0 };
+        Self { texture, tint, to_image: Mat3::IDENTITY, density, mean }
+    }
+
+    /// `rotation_deg` turns the image about world up, anticlockwise seen from above; `turn` comes after it.
+    pub fn set(&mut self, tint: Source, rotation_deg: f32, turn: Mat3) {
+        self.tint = tint;
+        self.to_image = Mat3::from_rotation_y(-rotation_deg.to_radians()) * turn.transpose();
     }
 
     fn radiance(&self, toward: Vec3) -> Source {
@@ -85,21 +95,20 @@ impl SkyImage {
         let sin_theta = (uv.y * PI).sin();
         if sin_theta <= 0.0 { 0.0 } else { density.pdf([uv.x, uv.y]) / (2.0 * PI * PI * sin_theta) }
     }
+}
 
-    /// Mean radiance over the sphere, averaged over channels.
-    fn mean(&self) -> f32 {
-        let (width, height) = (self.texture.width(), self.texture.height());
-        let (mut sum, mut weight) = (0.0f64, 0.0f64);
-        for y in 0..height {
-            let sin = f64::from(((y as f32 + 0.5) / height as f32 * PI).sin());
-            for x in 0..width {
-                let texel = self.texture.texel(x, y, Encoding::Linear).truncate() * self.tint.rgb;
-                sum += sin * f64::from(texel.element_sum() / 3.0);
-                weight += sin;
-            }
+/// Mean texel over the sphere.
+fn mean(texture: &Texture) -> Vec3 {
+    let (width, height) = (texture.width(), texture.height());
+    let (mut sum, mut weight) = (DVec3::ZERO, 0.0f64);
+    for y in 0..height {
+        let sin = f64::from(((y as f32 + 0.5) / height as f32 * PI).sin());
+        for x in 0..width {
+            sum += sin * texture.texel(x, y, Encoding::Linear).truncate().as_dvec3();
+            weight += sin;
         }
-        (sum / weight) as f32
     }
+    (sum / weight).as_vec3()
 }
 
 impl Sky {
@@ -143,7 +152,7 @@ impl Sky {
         match self {
             Self::Constant(source) => source.strength(),
             Self::Hemisphere(source) => 0.5 * source.strength(),
-            Self::Image(image) => image.mean(),
+            Self::Image(image) => (image.mean * image.tint.rgb).element_sum() / 3.0,
         }
     }
 }

@@ -22,12 +22,13 @@ use glam::Vec3;
 use light::Source;
 pub use light::{LightAt, LightSample, Lights};
 pub use material::Material;
-pub use stage::Stage;
+pub use stage::{Pose, Stage};
 pub use surface::{Place, Surface};
 use texture::{Texture, lookup_rgb};
 use thiserror::Error;
 
 use crate::color::IndexError;
+use crate::document::Document;
 use crate::embree::{EmbreeError, Ray};
 use crate::film::{Rung, Verdict};
 use crate::mode::{Lanes, Mode};
@@ -63,6 +64,9 @@ pub enum BuildError {
     Index { material: String, source: IndexError },
     #[error(transparent)]
     Embree(#[from] EmbreeError),
+    /// A scene can be posed only by its one owner.
+    #[error("the stage is in use by another scene and cannot be moved")]
+    Shared,
 }
 
 impl<M: Mode> Scene<M> {
@@ -78,6 +82,27 @@ impl<M: Mode> Scene<M> {
         let lets_through = materials.iter().any(Material::lets_through);
         let materials_s = start.elapsed().as_secs_f64();
         Ok(Self { stage, materials, spectra, lets_through, materials_s })
+    }
+
+    /// Brings the scene to another pose of the same document, and compiles again the materials that have `changed`. Returns
+    /// how many instances moved.
+    ///
+    /// # Errors
+    /// As [`Stage::pose`]; [`BuildError::Shared`] while another scene uses the stage.
+    pub fn pose(
+        &mut self,
+        document: &Document,
+        pose: &Pose,
+        changed: impl Iterator<Item = usize>,
+        options: &FilmOptions,
+    ) -> Result<usize, BuildError> {
+        let stage = Arc::get_mut(&mut self.stage).ok_or(BuildError::Shared)?;
+        let moved = stage.pose(document, pose);
+        for index in changed {
+            self.materials[index] = Material::new(&document.materials[index], &stage.sensor, options)?;
+        }
+        self.lets_through = self.materials.iter().any(Material::lets_through);
+        moved
     }
 
     /// What was chosen for each interface: (material id, verdict).
