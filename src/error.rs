@@ -3,6 +3,7 @@
 use thiserror::Error;
 
 use crate::collada::SceneError;
+use crate::document::PoseError;
 use crate::output::OutputError;
 use crate::render::RenderError;
 use crate::scene::BuildError;
@@ -14,6 +15,8 @@ pub enum Error {
     #[error("{scene}: {source}")]
     Build { scene: String, source: BuildError },
     #[error(transparent)]
+    Pose(#[from] PoseError),
+    #[error(transparent)]
     Render(#[from] RenderError),
     #[error(transparent)]
     Output(#[from] OutputError),
@@ -23,6 +26,12 @@ pub enum Error {
     /// Stopped by a signal. Unless `done` is 0, what was rendered has been written.
     #[error("stopped by {name} {}", progress(*done, *wanted))]
     Interrupted { signal: i32, name: &'static str, done: u32, wanted: u32 },
+    /// A batch that was stopped by a signal between two frames.
+    #[error("stopped by {name} with {left} frames to go; the same command with --resume goes on")]
+    Paused { name: &'static str, left: usize },
+    /// A batch that went through, but not with every frame.
+    #[error("these frames failed: {frames} (the reasons are in {report})")]
+    Frames { frames: String, report: String },
 }
 
 fn progress(done: u32, wanted: u32) -> String {
@@ -33,12 +42,13 @@ fn progress(done: u32, wanted: u32) -> String {
 }
 
 impl Error {
-    /// 1 scene or render error, 2 usage, 3 output, 128 + n stopped by signal n.
+    /// 1 scene or render error, 2 usage, 3 output, 75 (EX_TEMPFAIL) a batch that can go on, 128 + n stopped by signal n.
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Scene(_) | Self::Build { .. } | Self::Render(_) => 1,
+            Self::Scene(_) | Self::Build { .. } | Self::Pose(_) | Self::Render(_) | Self::Frames { .. } => 1,
             Self::Usage(_) => 2,
             Self::Output(_) => 3,
+            Self::Paused { .. } => 75,
             Self::Interrupted { signal, .. } => 128u8.saturating_add(*signal as u8),
         }
     }

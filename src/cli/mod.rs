@@ -1,10 +1,14 @@
 //! The command line. The only room that prints.
 
+mod animate;
+mod batch_progress;
 mod check;
 mod film;
 mod progress;
 mod render;
 mod scene_args;
+mod sequence;
+mod turntable;
 
 use std::io::Write;
 use std::process::ExitCode;
@@ -26,6 +30,8 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Render(render::RenderArgs),
+    Turntable(Box<turntable::TurntableArgs>),
+    Animate(Box<animate::AnimateArgs>),
     Check(check::CheckArgs),
     Film(Box<film::FilmArgs>),
 }
@@ -35,6 +41,8 @@ pub fn main() -> ExitCode {
     let cli = Cli::parse();
     let result = match cli.command {
         Command::Render(args) => render::run(&args),
+        Command::Turntable(args) => turntable::run(&args),
+        Command::Animate(args) => animate::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Film(args) => film::run(&args),
     };

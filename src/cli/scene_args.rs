@@ -83,7 +83,11 @@ impl From<FramingArg> for Framing {
 
 impl SceneArgs {
     pub fn load(&self) -> Result<(Document, Vec<Warning>), Error> {
-        let options = LoadOptions {
+        Ok(collada::load(&self.scene, &self.options())?)
+    }
+
+    pub fn options(&self) -> LoadOptions {
+        LoadOptions {
             allow_path: self.allow_path.clone(),
             lenient: self.lenient,
             smooth_normals: self.smooth_normals,
@@ -103,7 +107,6 @@ impl SceneArgs {
                 MissingTextureArg::Magenta => MissingTexture::Magenta,
             },
             ..LoadOptions::default()
-        };
-        Ok(collada::load(&self.scene, &options)?)
+        }
     }
 }

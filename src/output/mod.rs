@@ -7,17 +7,22 @@ mod atomic;
 mod error;
 mod exr_read;
 mod exr_write;
+mod notes;
 mod picture;
 mod png;
 
-pub use atomic::{check_writable, write_text};
+pub use atomic::{check_writable, write_bytes, write_text};
 pub use error::OutputError;
 pub use exr_read::read_exr;
 pub use exr_write::write_exr;
+pub use notes::note;
 pub use picture::{Crop, Format, HeaderValue, Layer, LayerKind, Picture, Written};
 pub use png::{PngDepth, write_png};
 
 use std::path::Path;
+
+/// The header value that stands for everything that decides what a frame of a batch looks like.
+pub const SETTINGS: &str = "pellicle/settings";
 
 /// True if the picture file at `path` is there and whole, judged by its content: every block of an EXR can be read, every
 /// row of a PNG decoded. Cheaper than reading an EXR, as nothing is decompressed.

@@ -1,5 +1,6 @@
 //! A finished picture with what it cost.
 
+use super::noise;
 use super::tile::Tile;
 use crate::integrate::Tally;
 
@@ -20,6 +21,25 @@ pub struct Frame {
 }
 
 impl Frame {
+    /// Estimated error of the picture: root mean square of the standard errors of its pixels' luminances, over their mean.
+    /// Samples count as independent; as they are stratified, the true error is lower. Infinite below two samples.
+    pub fn noise(&self) -> f64 {
+        noise::of_picture(self.estimates())
+    }
+
+    /// The relative standard error that 95 % of the pixels stay below, each against its own luminance or a tenth of the
+    /// picture's mean, whichever is more.
+    pub fn noise_p95(&self) -> f64 {
+        noise::p95(self.estimates())
+    }
+
+    fn estimates(&self) -> impl Iterator<Item = [(f64, f64); 3]> + Clone + '_ {
+        let pair = |(mean, variance): (&[f32; 3], &[f32; 3])| {
+            std::array::from_fn(|channel| (f64::from(mean[channel]), f64::from(variance[channel])))
+        };
+        self.rgb.iter().zip(&self.variance).map(pair)
+    }
+
     pub(super) fn resolve(
         [width, height]: [u32; 2],
         tiles: Vec<Tile>,
@@ -33,18 +53,12 @@ impl Frame {
         let mut variance = vec![[f32::INFINITY; 3]; count];
         let spp = tiles.iter().map(|tile| tile.spp).min().unwrap_or(0);
         for tile in tiles {
-            // A tile that was never reached stays black.
-            let n = f64::from(tile.spp.max(1));
             for (i, pixel) in tile.pixels.iter().enumerate() {
                 let (x, y) = (tile.x0 + i as u32 % tile.width, tile.y0 + i as u32 / tile.width);
                 let index = y as usize * width as usize + x as usize;
-                for channel in 0..3 {
-                    let mean = pixel.sum[channel] / n;
+                for (channel, (mean, spread)) in pixel.estimate(tile.spp).into_iter().enumerate() {
                     rgb[index][channel] = mean as f32;
-                    if tile.spp > 1 {
-                        let spread = (pixel.sum_squares[channel] / n - mean * mean).max(0.0);
-                        variance[index][channel] = (spread / (n - 1.0)) as f32;
-                    }
+                    variance[index][channel] = spread as f32;
                 }
             }
         }

@@ -6,6 +6,7 @@
 mod clock;
 mod filter;
 mod frame;
+mod noise;
 mod tile;
 
 pub use clock::{available_memory, cpu_seconds, peak_rss_mb};
@@ -43,6 +44,31 @@ pub trait Watch: Sync {
     /// Asked before each tile of a pass: true ends the render with the samples it has. Called from render threads; once
     /// true, always true.
     fn stop(&self) -> bool;
+    /// Asked before each pass after the first: samples per pixel that it shall add; 0 ends the render, all pixels having the
+    /// same number.
+    fn pass(&self, so_far: &SoFar) -> u32 {
+        so_far.usual_pass()
+    }
+}
+
+/// A picture in progress, between two passes.
+pub struct SoFar<'a> {
+    tiles: &'a [Tile],
+    /// Samples that every pixel has.
+    pub spp: u32,
+}
+
+impl SoFar<'_> {
+    /// Small passes first, so that a short render shows something early.
+    pub fn usual_pass(&self) -> u32 {
+        self.spp.clamp(1, PASS_SPP)
+    }
+
+    /// As [`Frame::noise`], for the picture as it is now.
+    pub fn noise(&self) -> f64 {
+        let pixels = self.tiles.iter().flat_map(|tile| tile.pixels.iter().map(|pixel| pixel.estimate(tile.spp)));
+        noise::of_picture(pixels)
+    }
 }
 
 #[derive(Debug, Error)]
@@ -87,8 +113,11 @@ pub fn render<M: Mode>(
     let mut tally = Tally::default();
     let mut done = 0;
     while done < plan.spp {
-        // Small passes first, so that a short render shows something early.
-        let count = done.clamp(1, PASS_SPP).min(plan.spp - done);
+        let so_far = SoFar { tiles: &tiles, spp: done };
+        let count = if done == 0 { 1 } else { watch.pass(&so_far).min(plan.spp - done) };
+        if count == 0 {
+            break;
+        }
         let pass = pool.install(|| {
             tiles
                 .par_iter_mut()

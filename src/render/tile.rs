@@ -31,6 +31,17 @@ impl Pixel {
             self.sum_squares[channel] += value * value;
         }
     }
+
+    /// Per channel the mean of `spp` samples, and the variance of that mean; infinite below two samples.
+    pub fn estimate(&self, spp: u32) -> [(f64, f64); 3] {
+        // A pixel that was never reached stays black.
+        let n = f64::from(spp.max(1));
+        std::array::from_fn(|channel| {
+            let mean = self.sum[channel] / n;
+            let spread = (self.sum_squares[channel] / n - mean * mean).max(0.0);
+            (mean, if spp > 1 { spread / (n - 1.0) } else { f64::INFINITY })
+        })
+    }
 }
 
 impl Tile {

@@ -14,6 +14,7 @@ mod surface;
 mod texture;
 mod thickness;
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -84,25 +85,29 @@ impl<M: Mode> Scene<M> {
         Ok(Self { stage, materials, spectra, lets_through, materials_s })
     }
 
-    /// Brings the scene to another pose of the same document, and compiles again the materials that have `changed`. Returns
-    /// how many instances moved.
+    /// As [`Stage::pose`].
     ///
     /// # Errors
     /// As [`Stage::pose`]; [`BuildError::Shared`] while another scene uses the stage.
-    pub fn pose(
+    pub fn pose(&mut self, document: &Document, pose: &Pose) -> Result<usize, BuildError> {
+        Arc::get_mut(&mut self.stage).ok_or(BuildError::Shared)?.pose(document, pose)
+    }
+
+    /// Compiles these materials of the document again.
+    ///
+    /// # Errors
+    /// An unknown refractive index.
+    pub fn recompile(
         &mut self,
         document: &Document,
-        pose: &Pose,
-        changed: impl Iterator<Item = usize>,
+        materials: &BTreeSet<usize>,
         options: &FilmOptions,
-    ) -> Result<usize, BuildError> {
-        let stage = Arc::get_mut(&mut self.stage).ok_or(BuildError::Shared)?;
-        let moved = stage.pose(document, pose);
-        for index in changed {
-            self.materials[index] = Material::new(&document.materials[index], &stage.sensor, options)?;
+    ) -> Result<(), BuildError> {
+        for &index in materials {
+            self.materials[index] = Material::new(&document.materials[index], &self.stage.sensor, options)?;
         }
         self.lets_through = self.materials.iter().any(Material::lets_through);
-        moved
+        Ok(())
     }
 
     /// What was chosen for each interface: (material id, verdict).
