@@ -40,13 +40,7 @@ impl Record {
     ///
     /// # Errors
     /// Files that cannot be written.
-    pub fn open(
-        base: &Path,
-        scene: &str,
-        settings: &str,
-        frames: &FrameList,
-        anew: &FrameList,
-    ) -> Result<Self, Error> {
+    pub fn open(base: &Path, scene: &str, settings: &str, frames: &FrameList, anew: &FrameList) -> Result<Self, Error> {
         let record = Self {
             base: base.to_owned(),
             scene: scene.to_owned(),
@@ -128,7 +122,9 @@ impl Record {
 
     /// Rows that cannot be read, as the last one after a crash, are left out.
     fn read(&self) -> Vec<Row> {
-        let Ok(reader) = csv::ReaderBuilder::new().flexible(true).from_path(self.path("csv")) else { return Vec::new() };
+        let Ok(reader) = csv::ReaderBuilder::new().flexible(true).from_path(self.path("csv")) else {
+            return Vec::new();
+        };
         reader.into_deserialize().filter_map(Result::ok).collect()
     }
 

@@ -136,7 +136,8 @@ impl<M: Mode> Sequence<M> {
         match made.and_then(|_| self.make(frame, left, watch, &path, start)) {
             Err(Error::Output(error)) if error.is_disk_full() => Err(Error::Output(error)),
             Err(error) => {
-                let row = Row { status: "failed".to_owned(), reason: error.to_string(), ..self.row(frame, &path, start) };
+                let row =
+                    Row { status: "failed".to_owned(), reason: error.to_string(), ..self.row(frame, &path, start) };
                 Ok(Some(Done { row, thumbnail: None }))
             }
             Ok(done) => Ok(done),
@@ -239,7 +240,8 @@ impl<M: Mode> Sequence<M> {
                     prepared.camera = camera.map_err(Error::Usage)?.0;
                 }
                 let clock = Instant::now();
-                if changes.lights || !changes.materials.is_empty() || (changes.nodes && animation.moves.contains(&true)) {
+                if changes.lights || !changes.materials.is_empty() || (changes.nodes && animation.moves.contains(&true))
+                {
                     let pose = Pose { placements: document.placements(), sky: Mat3::IDENTITY };
                     posed.instances_moved = prepared.scene.pose(document, &pose).map_err(|e| built(document, e))?;
                     posed.bvh_s = clock.elapsed().as_secs_f64();

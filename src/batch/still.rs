@@ -54,8 +54,7 @@ pub fn movable_stage(
     plan: &StillPlan,
     moving: Vec<bool>,
 ) -> Result<(Stage, Camera, Placed, Vec<String>), Error> {
-    let stage =
-        Stage::movable(document, plan.render.threads, moving).map_err(|source| built(document, source))?;
+    let stage = Stage::movable(document, plan.render.threads, moving).map_err(|source| built(document, source))?;
     let (camera, placed) =
         Camera::new(document, plan.camera.as_deref(), plan.size, plan.framing, stage.bounds).map_err(Error::Usage)?;
     render::check_memory(camera.size, plan.max_memory.unwrap_or_else(render::available_memory))?;

@@ -51,7 +51,10 @@ impl Summary {
         let mut times: Vec<f64> = done.iter().map(|row| row.total_s).collect();
         times.sort_by(f64::total_cmp);
         let total_s: f64 = times.iter().sum();
-        let aside: f64 = done.iter().map(|row| row.other_s + if row.bvh_builds == 0 { row.bvh_s + row.materials_s } else { 0.0 }).sum();
+        let aside: f64 = done
+            .iter()
+            .map(|row| row.other_s + if row.bvh_builds == 0 { row.bvh_s + row.materials_s } else { 0.0 })
+            .sum();
         Self {
             frames: wanted.0.len(),
             done: done.len(),

@@ -29,7 +29,8 @@ impl Thumbnail {
             for x in 0..small_width {
                 let first = x * width / small_width;
                 let columns = first..((x + 1) * width / small_width).max(first + 1);
-                let block = rows.clone().flat_map(|row| columns.clone().map(move |column| (row * width + column) as usize));
+                let block =
+                    rows.clone().flat_map(|row| columns.clone().map(move |column| (row * width + column) as usize));
                 let (mut sum, mut count) = ([0.0f32; 3], 0.0f32);
                 for index in block {
                     // What a screen cannot show must not outshine its neighbours.

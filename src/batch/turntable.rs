@@ -160,7 +160,11 @@ impl Turntable {
                 format!("light turns ({sky}{})", of(&|_, turns| turns))
             }
         };
-        let _ = write!(line, " about ({x:.4}, {y:.4}, {z:.4}) m, {:.4} degrees a frame", self.degrees / f64::from(self.count));
+        let _ = write!(
+            line,
+            " about ({x:.4}, {y:.4}, {z:.4}) m, {:.4} degrees a frame",
+            self.degrees / f64::from(self.count)
+        );
         if self.turning == Turning::Object {
             let still = |piece: &Piece, turns: bool| !turns && !piece.lamp && piece.bounds.is_some();
             if pieces.iter().zip(&self.turns).any(|(piece, turns)| still(piece, *turns)) {
@@ -240,9 +244,8 @@ fn object(document: &Document, plan: &TurntablePlan, pieces: &[Piece]) -> Result
 
     // Leave out lamps, and what reaches across the scene: ground, walls, room.
     let candidates = || pieces.iter().filter(|piece| !piece.lamp).filter_map(|piece| piece.bounds);
-    let (low, high) = candidates().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), (from, to)| {
-        (low.min(from), high.max(to))
-    });
+    let (low, high) = candidates()
+        .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), (from, to)| (low.min(from), high.max(to)));
     let covers = |(from, to): (Vec3, Vec3)| {
         let share = (to - from) / (high - low).max(Vec3::splat(f32::MIN_POSITIVE));
         share.to_array().into_iter().filter(|share| *share >= COVERS).count() >= 2
@@ -255,9 +258,8 @@ fn object(document: &Document, plan: &TurntablePlan, pieces: &[Piece]) -> Result
 /// The middle of the object's box.
 fn middle(pieces: &[Piece], object: &[bool]) -> Vec3 {
     let boxes = pieces.iter().zip(object).filter(|(_, belongs)| **belongs).filter_map(|(piece, _)| piece.bounds);
-    let (low, high) = boxes.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), (from, to)| {
-        (low.min(from), high.max(to))
-    });
+    let (low, high) =
+        boxes.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), (from, to)| (low.min(from), high.max(to)));
     if low.x <= high.x { 0.5 * (low + high) } else { Vec3::ZERO }
 }
 

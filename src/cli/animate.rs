@@ -37,11 +37,14 @@ pub fn run(args: &AnimateArgs) -> Result<(), Error> {
     let mut work = Work::load(&args.scene, &args.picture, &args.sequence, &args.talk)?;
     let fps = args.sequence.fps;
     let Some((first, last)) = Animation::range(&work.document, fps) else {
-        return Err(Error::Usage("the scene has no animation that could be played; `pellicle check` lists it".to_owned()));
+        return Err(Error::Usage(
+            "the scene has no animation that could be played; `pellicle check` lists it".to_owned(),
+        ));
     };
     let frames = args.frames.clone().unwrap_or_else(|| FrameList((first..=last).collect()));
     let channels = work.document.channels.len();
-    args.talk.inform(&format!("{channels} channels move the scene from frame {first} to {last} at {fps} frames a second"));
+    args.talk
+        .inform(&format!("{channels} channels move the scene from frame {first} to {last} at {fps} frames a second"));
     let mut animation = Animation::new(&work.document, fps);
     // The scene is built as its animation begins, whatever frames are wanted: all parts of a batch agree.
     animation.pose(&mut work.document, first)?;

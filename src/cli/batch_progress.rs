@@ -68,7 +68,11 @@ impl BatchProgress {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         state.done += 1;
         // What was spent once does not come again.
-        let once_s = if row.bvh_builds > 0 { row.parse_s + row.textures_s + row.bvh_s + row.materials_s + row.pilot_s } else { 0.0 };
+        let once_s = if row.bvh_builds > 0 {
+            row.parse_s + row.textures_s + row.bvh_s + row.materials_s + row.pilot_s
+        } else {
+            0.0
+        };
         state.spent_s += row.total_s - once_s;
         self.bar.inc(1);
     }

@@ -85,7 +85,11 @@ fn parse_duration(text: &str) -> Result<f64, String> {
         seconds += number.unwrap_or(f64::NAN) * factor;
         rest = &unit[length..];
     }
-    if seconds > 0.0 && seconds.is_finite() { Ok(seconds) } else { Err("write a time like 20s, 1m30s or 2h".to_owned()) }
+    if seconds > 0.0 && seconds.is_finite() {
+        Ok(seconds)
+    } else {
+        Err("write a time like 20s, 1m30s or 2h".to_owned())
+    }
 }
 
 impl SequenceArgs {
@@ -163,8 +167,7 @@ impl<'a> Work<'a> {
     pub fn run(self, motion: Motion, frames: FrameList, motion_words: &str) -> Result<(), Error> {
         let settings = resume::settings(&self.document, &self.choices(motion_words));
         let resumes = self.args.resume || self.args.missing;
-        let todo =
-            if resumes { resume::missing(&frames, &self.pattern, &settings) } else { frames.clone() };
+        let todo = if resumes { resume::missing(&frames, &self.pattern, &settings) } else { frames.clone() };
         if self.args.missing {
             return if todo.0.is_empty() { Ok(()) } else { print(&format!("{todo}{}\n", self.suffix)) };
         }
@@ -205,7 +208,17 @@ impl<'a> Work<'a> {
             exposure_ev: self.still.exposure_ev,
             suffix: self.suffix,
         };
-        let scene = Staged { document: self.document, plan, still: self.still, motion, stage, camera, placed, loading, start: self.start };
+        let scene = Staged {
+            document: self.document,
+            plan,
+            still: self.still,
+            motion,
+            stage,
+            camera,
+            placed,
+            loading,
+            start: self.start,
+        };
         match (transport, self.picture.wavelengths.as_str()) {
             (Transport::Rgb, _) => rest.render(scene.sequence::<Rgb>()?),
             (Transport::Spectral, "4") => rest.render(scene.sequence::<Spectral<4>>()?),

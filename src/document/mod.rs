@@ -18,9 +18,7 @@ mod texture;
 pub use animation::{CameraPart, Channel, EnvironmentPart, FilmPart, Interpolation, MaterialPart, Quantity};
 pub use camera::{Camera, Lens, Projection};
 pub use light::{AreaShape, Environment, Falloff, Light, LightKind, Presence, SpotEdge};
-pub use material::{
-    Base, Distribution, Film, Material, Microfacets, SurfaceEmission, THICKEST_NM, Thickness, Tint,
-};
+pub use material::{Base, Distribution, Film, Material, Microfacets, SurfaceEmission, THICKEST_NM, Thickness, Tint};
 pub use node::{Binding, Item, Node, Transform, TransformKind};
 pub use pose::{Changes, PoseError};
 pub use shape::{Geometry, Group, Mesh, Shape, UvSet};

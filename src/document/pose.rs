@@ -105,9 +105,7 @@ impl Document {
                     (CameraPart::XMag, Projection::Orthographic { xmag, .. }) => number((*xmag)?),
                     (CameraPart::YMag, Projection::Orthographic { ymag, .. }) => number((*ymag)?),
                     (CameraPart::ApertureRadius, _) => number(camera.lens?.aperture_radius_m),
-                    (CameraPart::FNumber { focal_mm }, _) => {
-                        number(focal_mm / 2000.0 / camera.lens?.aperture_radius_m)
-                    }
+                    (CameraPart::FNumber { focal_mm }, _) => number(focal_mm / 2000.0 / camera.lens?.aperture_radius_m),
                     (CameraPart::FocusDistance, _) => number(camera.lens?.focus_distance_m),
                     _ => None,
                 }

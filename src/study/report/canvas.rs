@@ -21,9 +21,20 @@ pub enum Anchor {
 }
 
 enum Mark {
-    Rect { x: f64, y: f64, width: f64, height: f64, color: Color },
+    Rect {
+        x: f64,
+        y: f64,
+        width: f64,
+        height: f64,
+        color: Color,
+    },
     /// `y` is the middle of the letters.
-    Text { x: f64, y: f64, anchor: Anchor, text: String },
+    Text {
+        x: f64,
+        y: f64,
+        anchor: Anchor,
+        text: String,
+    },
 }
 
 /// Marks on white, later ones on top; the origin is the upper left corner.
@@ -67,7 +78,10 @@ impl Canvas {
                         Anchor::End => "end",
                     };
                     let (y, fill) = (y + 5.0, hex(INK));
-                    writeln!(svg, "<text x=\"{x:.2}\" y=\"{y:.2}\" text-anchor=\"{anchor}\" fill=\"{fill}\">{text}</text>")
+                    writeln!(
+                        svg,
+                        "<text x=\"{x:.2}\" y=\"{y:.2}\" text-anchor=\"{anchor}\" fill=\"{fill}\">{text}</text>"
+                    )
                 }
             };
         }

@@ -9,7 +9,7 @@ use crate::batch::{Row, Summary};
 const STYLE: &str = "\
 body{font:15px/1.45 system-ui,sans-serif;color:#282c34;background:#fff;margin:2rem auto;max-width:1100px;padding:0 1rem}\
 h1{font-size:1.5rem}h2{font-size:1.15rem;margin-top:2.2rem}svg{max-width:100%;height:auto}\
-table{border-collapse:collapse;font-variant-numeric:tabular-nums}td,th{padding:.15rem .6rem;text-align:right}\
+table{border-collapse:collapse;font-variant-numeric:tabular-nums}td,th{padding:.15rem .6rem;text-align:right;white-space:nowrap}\
 th{font-weight:600;border-bottom:1px solid #999;position:sticky;top:0;background:#fff}tr:nth-child(even) td{background:#f5f6f8}\
 td:first-child,th:first-child{text-align:left}.sheet{display:flex;flex-wrap:wrap;gap:6px}\
 .sheet figure{margin:0;font-size:11px;text-align:center;color:#667}.sheet img{display:block;background:#eee}\
@@ -51,10 +51,13 @@ fn facts(summary: &Summary, rows: &[&Row]) -> String {
     fact("min, p95, max", format!("{:.3}, {:.3}, {:.3}", summary.min_s, summary.p95_s, summary.max_s));
     fact("in all", format!("{:.1} s", summary.total_s));
     fact("beside rendering, writing and loading", format!("{:.2} %", 100.0 * summary.overhead));
-    fact("BVHs built", format!("{} times; {} instances moved", summary.bvh_builds, summary.instances_moved));
+    fact("frames that built BVHs; instances moved", format!("{}; {}", summary.bvh_builds, summary.instances_moved));
     fact("materials compiled", summary.materials_compiled.to_string());
     if let Some(row) = rows.iter().find(|row| row.is_ok()) {
-        fact("picture", format!("{}x{}, {}, seed of frame {}: {}", row.width, row.height, row.mode, row.frame, row.seed));
+        fact(
+            "picture",
+            format!("{}x{}, {}, seed of frame {}: {}", row.width, row.height, row.mode, row.frame, row.seed),
+        );
         fact("machine", format!("{}, {} threads", escape(&row.host), row.threads));
         fact("scene, settings", format!("{}, {}", &row.scene_sha256[..row.scene_sha256.len().min(16)], row.settings));
     }
@@ -62,9 +65,10 @@ fn facts(summary: &Summary, rows: &[&Row]) -> String {
 }
 
 fn slowest(summary: &Summary) -> String {
-    let mut text = "<h2>Slowest</h2>\n<p>With modified z-scores (Iglewicz &amp; Hoaglin 1993): beyond 3.5 a frame is odd.</p>\n\
+    let mut text =
+        "<h2>Slowest</h2>\n<p>With modified z-scores (Iglewicz &amp; Hoaglin 1993): beyond 3.5 a frame is odd.</p>\n\
                     <table><tr><th>frame</th><th>s</th><th>score</th></tr>\n"
-        .to_owned();
+            .to_owned();
     for slow in &summary.slowest {
         let class = if slow.score > 3.5 { " class=\"bad\"" } else { "" };
         let _ = writeln!(
@@ -93,11 +97,14 @@ fn sheet(rows: &[&Row], pictures: &[(u32, String)], pattern: &Pattern) -> String
 }
 
 fn table(rows: &[&Row]) -> String {
-    let mut text = "<h2>Table</h2>\n<div class=\"scroll\"><table>\n<tr><th>frame</th><th>at</th><th>spp</th>".to_owned();
+    let mut text =
+        "<h2>Table</h2>\n<div class=\"scroll\"><table>\n<tr><th>frame</th><th>at</th><th>spp</th>".to_owned();
     for (name, _) in Row::default().parts() {
         let _ = write!(text, "<th>{name} s</th>");
     }
-    text.push_str("<th>total s</th><th>Mrays/s</th><th>noise</th><th>MB</th><th>not finite</th><th>out of gamut</th></tr>\n");
+    text.push_str(
+        "<th>total s</th><th>Mrays/s</th><th>noise</th><th>MB</th><th>not finite</th><th>out of gamut</th></tr>\n",
+    );
     for row in rows {
         if !row.is_ok() {
             let reason = escape(&row.reason);

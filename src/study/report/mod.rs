@@ -40,8 +40,12 @@ pub fn write(record: &Record, thumbnails: &[(u32, Thumbnail)], pattern: &Pattern
 /// The picture as text that stands in a page.
 fn data_uri(thumbnail: &Thumbnail) -> Result<String, ImageError> {
     let mut jpeg = Vec::new();
-    JpegEncoder::new_with_quality(&mut jpeg, JPEG_QUALITY)
-        .encode(&thumbnail.rgb, thumbnail.width, thumbnail.height, ExtendedColorType::Rgb8)?;
+    JpegEncoder::new_with_quality(&mut jpeg, JPEG_QUALITY).encode(
+        &thumbnail.rgb,
+        thumbnail.width,
+        thumbnail.height,
+        ExtendedColorType::Rgb8,
+    )?;
     Ok(format!("data:image/jpeg;base64,{}", STANDARD.encode(jpeg)))
 }
 
