@@ -114,10 +114,9 @@ fn blenders_turntable_of_keys_runs_straight_or_eases() {
         let Some(document) = blender(name) else { return };
         for (share, value) in [(0.0, 0.0), (0.25, at_quarter), (0.5, 0.5), (1.0, 1.0), (2.0, 1.0)] {
             let time_s = 1.0 / 24.0 + share * 23.0 / 24.0;
-            let (document, changes) = posed(&document, time_s);
+            let (document, _) = posed(&document, time_s);
             let wanted = 168.7565 * value as f32;
             assert!((turned_deg(&document, "Turntable") - wanted).abs() < 0.01, "{name} at {share}");
-            assert!(changes.nodes);
         }
     }
 }

@@ -57,6 +57,40 @@ pub struct Loading {
     pub pilot_s: f64,
 }
 
+/// A scene that is built, before its colour mode is settled.
+pub struct Staged {
+    pub document: Document,
+    pub plan: SequencePlan,
+    pub still: StillPlan,
+    pub motion: Motion,
+    pub stage: Arc<Stage>,
+    /// What the stage was made with, and by which rule.
+    pub camera: Camera,
+    pub placed: Placed,
+    pub loading: Loading,
+    /// Of the batch.
+    pub start: Instant,
+}
+
+impl Staged {
+    /// Compiles the materials for a colour mode.
+    ///
+    /// # Errors
+    /// An unknown refractive index.
+    pub fn sequence<M: Mode>(self) -> Result<Sequence<M>, Error> {
+        let Self { document, plan, mut still, motion, stage, camera, placed, loading, start } = self;
+        let bounds = stage.bounds;
+        let prepared = still::prepare::<M>(&document, &still, &stage, &camera)?;
+        // The rule and the size hold for all frames, whatever the animation does to camera and scene.
+        still.framing = if placed == Placed::Cs184 { Framing::Cs184 } else { Framing::Scene };
+        still.size = camera.size.map(Some);
+        let schedule = Schedule::new(plan.budget, still.render.spp, start);
+        let host = std::fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default().trim().to_owned();
+        let (loading, last) = (Some(loading), None);
+        Ok(Sequence { document, plan, still, motion, prepared, rest: camera, bounds, schedule, loading, last, host })
+    }
+}
+
 /// A scene with its motion, ready to render frames in any order.
 pub struct Sequence<M: Mode> {
     document: Document,
@@ -70,6 +104,8 @@ pub struct Sequence<M: Mode> {
     schedule: Schedule,
     /// What the first frame has to answer for.
     loading: Option<Loading>,
+    /// When the last frame was done: what came after it, as reporting it, counts for the next.
+    last: Option<Instant>,
     host: String,
 }
 
@@ -90,32 +126,6 @@ struct Posed {
 }
 
 impl<M: Mode> Sequence<M> {
-    /// Compiles the materials. `camera` is the one that the stage was made with, by the rule `placed`.
-    ///
-    /// # Errors
-    /// An unknown refractive index.
-    #[allow(clippy::too_many_arguments)]
-    pub fn new(
-        document: Document,
-        plan: SequencePlan,
-        mut still: StillPlan,
-        motion: Motion,
-        stage: Arc<Stage>,
-        (camera, placed): (Camera, Placed),
-        loading: Loading,
-        start: Instant,
-    ) -> Result<Self, Error> {
-        let bounds = stage.bounds;
-        let prepared = still::prepare::<M>(&document, &still, &stage, &camera)?;
-        // The rule and the size hold for all frames, whatever the animation does to camera and scene.
-        still.framing = if placed == Placed::Cs184 { Framing::Cs184 } else { Framing::Scene };
-        still.size = camera.size.map(Some);
-        let schedule = Schedule::new(plan.budget, still.render.spp, start);
-        let host = std::fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default().trim().to_owned();
-        let loading = Some(loading);
-        Ok(Self { document, plan, still, motion, prepared, rest: camera, bounds, schedule, loading, host })
-    }
-
     /// The opening line.
     pub fn summary(&self) -> String {
         self.prepared.summary(&self.document, &self.still)
@@ -129,11 +139,13 @@ impl<M: Mode> Sequence<M> {
     /// # Errors
     /// A full disk.
     pub fn render(&mut self, frame: u32, left: usize, watch: &dyn Watch) -> Result<Option<Done>, Error> {
-        let start = Instant::now();
+        let start = self.last.unwrap_or_else(Instant::now);
         let path = self.plan.pattern.path(frame);
         // Find out before rendering whether it can be written.
-        let made = output::check_picture(&path).map_err(Error::from);
-        match made.and_then(|_| self.make(frame, left, watch, &path, start)) {
+        let writable = output::check_picture(&path).map_err(Error::from);
+        let made = writable.and_then(|_| self.make(frame, left, watch, &path, start));
+        self.last = Some(Instant::now());
+        match made {
             Err(Error::Output(error)) if error.is_disk_full() => Err(Error::Output(error)),
             Err(error) => {
                 let row =

@@ -151,25 +151,18 @@ impl Turntable {
             let found = pieces.iter().zip(&self.turns).filter(|(piece, turns)| wanted(piece, **turns));
             names(found.map(|(piece, _)| document.nodes[piece.node].id.as_str()).collect())
         };
-        let [x, y, z] = self.pivot.as_vec3().to_array();
-        let mut line = match self.turning {
-            Turning::Camera => "the camera goes".to_owned(),
-            Turning::Object => format!("{} turns", of(&|_, turns| turns)),
-            Turning::Light => {
-                let sky = if document.environment.is_some() { "the environment, " } else { "" };
-                format!("light turns ({sky}{})", of(&|_, turns| turns))
-            }
+        let what = match self.turning {
+            Turning::Camera => "the camera".to_owned(),
+            Turning::Object => of(&|_, turns| turns),
+            Turning::Light if document.environment.is_none() => of(&|_, turns| turns),
+            Turning::Light => format!("the environment, {}", of(&|_, turns| turns)),
         };
-        let _ = write!(
-            line,
-            " about ({x:.4}, {y:.4}, {z:.4}) m, {:.4} degrees a frame",
-            self.degrees / f64::from(self.count)
-        );
-        if self.turning == Turning::Object {
-            let still = |piece: &Piece, turns: bool| !turns && !piece.lamp && piece.bounds.is_some();
-            if pieces.iter().zip(&self.turns).any(|(piece, turns)| still(piece, *turns)) {
-                let _ = write!(line, "; {} stays (--object chooses)", of(&still));
-            }
+        let [x, y, z] = self.pivot.as_vec3().to_array();
+        let step_deg = self.degrees / f64::from(self.count);
+        let mut line = format!("turning {what} about ({x:.4}, {y:.4}, {z:.4}) m by {step_deg} degrees a frame");
+        let still = |piece: &Piece, turns: bool| !turns && !piece.lamp && piece.bounds.is_some();
+        if self.turning == Turning::Object && pieces.iter().zip(&self.turns).any(|(p, turns)| still(p, *turns)) {
+            let _ = write!(line, "; not {} (--object chooses)", of(&still));
         }
         line
     }
@@ -279,7 +272,7 @@ fn node_to_world(document: &Document, id: &str) -> Option<Mat4> {
 
 fn unknown(document: &Document, id: &str) -> Error {
     let ids = document.nodes.iter().map(|node| node.id.as_str()).filter(|known| !known.is_empty());
-    let distance = |known: &&str| strsim::damerau_levenshtein(known, id);
-    let nearest = ids.min_by_key(distance).map(|near| format!("; did you mean `{near}`?")).unwrap_or_default();
+    let alike = |a: &&str, b: &&str| strsim::jaro_winkler(a, id).total_cmp(&strsim::jaro_winkler(b, id));
+    let nearest = ids.max_by(alike).map(|near| format!("; did you mean `{near}`?")).unwrap_or_default();
     Error::Usage(format!("no node `{id}` in the scene{nearest}"))
 }

@@ -29,7 +29,7 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    Render(render::RenderArgs),
+    Render(Box<render::RenderArgs>),
     Turntable(Box<turntable::TurntableArgs>),
     Animate(Box<animate::AnimateArgs>),
     Check(check::CheckArgs),

@@ -17,14 +17,13 @@ use crate::batch::budget::Budget;
 use crate::batch::frames::{FrameList, Pattern};
 use crate::batch::record::Record;
 use crate::batch::resume;
-use crate::batch::sequence::{Loading, Motion, Sequence, SequencePlan};
+use crate::batch::sequence::{Loading, Motion, Sequence, SequencePlan, Staged};
 use crate::batch::still::{self, StillPlan};
 use crate::batch::{Thumbnail, Transport};
 use crate::document::Document;
 use crate::error::Error;
 use crate::mode::{Mode, Rgb, Spectral};
 use crate::output::{self, Format};
-use crate::scene::{Camera, Placed, Stage};
 use crate::study::report;
 
 /// Samples per pixel where time or noise end a frame and nobody says how many there may be.
@@ -236,26 +235,6 @@ impl<'a> Work<'a> {
         let (budget, lock) = (self.args.budget(), self.args.seed_lock);
         let mode = self.picture.mode_words(&self.document.render);
         format!("{still:?} {options:?} {mode} {budget:?} {lock} {motion_words}")
-    }
-}
-
-/// A scene that is built, before the colour mode.
-struct Staged {
-    document: Document,
-    plan: SequencePlan,
-    still: StillPlan,
-    motion: Motion,
-    stage: Arc<Stage>,
-    camera: Camera,
-    placed: Placed,
-    loading: Loading,
-    start: Instant,
-}
-
-impl Staged {
-    fn sequence<M: Mode>(self) -> Result<Sequence<M>, Error> {
-        let Self { document, plan, still, motion, stage, camera, placed, loading, start } = self;
-        Sequence::new(document, plan, still, motion, stage, (camera, placed), loading, start)
     }
 }
 

@@ -4,10 +4,15 @@ use super::faults::SmallDisk;
 use super::turntable::{pixels, report};
 use super::*;
 
-/// Five frames that take a noticeable time each.
+/// Five frames of 64x48, or what `more` says instead.
 fn arguments<'a>(output: &'a str, more: &[&'a str]) -> Vec<&'a str> {
-    let common = ["turntable", "room.dae", "-o", output, "--frames", "5", "--size", "64x48", "--spp", "96", "--float"];
-    [&common[..], &["--progress", "none"], more].concat()
+    let mut all = [&["turntable", "room.dae", "-o", output, "--float", "--progress", "none"], more].concat();
+    for (option, value) in [("--frames", "5"), ("--size", "64x48"), ("--spp", "96")] {
+        if !all.contains(&option) {
+            all.extend([option, value]);
+        }
+    }
+    all
 }
 
 fn wait_for(path: &str) {
