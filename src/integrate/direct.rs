@@ -1,6 +1,7 @@
 //! Next-event estimation: light that comes straight from a source.
 
-use super::path::{Vertex, transmission};
+use super::path::transmission;
+use super::vertex::Vertex;
 use super::{PathLimits, Strategy, Tally, mis_weight};
 use crate::embree::Ray;
 use crate::mode::{Lanes, Mode};
@@ -25,10 +26,7 @@ pub(super) fn direct_light<M: Mode>(
     }
 
     // Evaluate the surface for that direction.
-    let wi = vertex.frame.to_local(sample.wi);
-    if wi.z * sample.wi.dot(vertex.surface.ng) <= 0.0 {
-        return M::Light::ZERO;
-    }
+    let Some(wi) = vertex.local(sample.wi) else { return M::Light::ZERO };
     let (value, scatter_pdf) = vertex.bsdf.eval(vertex.wo, wi, waves);
     if value.is_black() {
         return M::Light::ZERO;

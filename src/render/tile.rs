@@ -1,6 +1,10 @@
 //! Accumulators, kept per tile so that threads never share a cache line.
 
+use arrayvec::ArrayVec;
 use glam::Vec3;
+
+use crate::integrate::GROUP;
+use crate::math::distribution::spread_bits;
 
 pub const TILE_SIDE: u32 = 16;
 
@@ -44,7 +48,28 @@ impl Pixel {
     }
 }
 
+/// Side of the blocks that are cut into groups; each row and column of a block has one pixel of each group.
+const BLOCK: u32 = GROUP as u32;
+
 impl Tile {
+    /// Pixel numbers of the groups that share paths: close together, but never neighbours, so that what they share is not
+    /// seen as blotches.
+    pub fn groups(&self) -> Vec<ArrayVec<u32, GROUP>> {
+        let (columns, height) = (self.width.div_ceil(BLOCK), self.pixels.len() as u32 / self.width);
+        let mut groups = vec![ArrayVec::new(); (columns * height.div_ceil(BLOCK) * BLOCK) as usize];
+        for pixel in 0..self.pixels.len() as u32 {
+            let (x, y) = (pixel % self.width, pixel / self.width);
+            let block = y / BLOCK * columns + x / BLOCK;
+            groups[(block * BLOCK + (x + 3 * y) % BLOCK) as usize].push(pixel);
+        }
+        groups
+    }
+
+    /// Where a pixel lies in the picture.
+    pub fn place(&self, pixel: u32) -> [u32; 2] {
+        [self.x0 + pixel % self.width, self.y0 + pixel / self.width]
+    }
+
     /// All tiles of a picture, along a Z-order curve: neighbours in time are neighbours in space.
     pub fn grid([width, height]: [u32; 2]) -> Vec<Self> {
         let (columns, rows) = (width.div_ceil(TILE_SIDE), height.div_ceil(TILE_SIDE));
@@ -59,16 +84,6 @@ impl Tile {
         };
         places.into_iter().map(tile).collect()
     }
-}
-
-/// Moves bit i to bit 2i.
-fn spread_bits(x: u32) -> u64 {
-    let mut x = u64::from(x);
-    for (shift, mask) in [(16, 0x0000_ffff_0000_ffff), (8, 0x00ff_00ff_00ff_00ff), (4, 0x0f0f_0f0f_0f0f_0f0f)] {
-        x = (x | x << shift) & mask;
-    }
-    x = (x | x << 2) & 0x3333_3333_3333_3333;
-    (x | x << 1) & 0x5555_5555_5555_5555
 }
 
 #[cfg(test)]

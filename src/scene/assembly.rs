@@ -9,7 +9,7 @@ use super::BuildError;
 use super::environment::{Sky, SkyImage};
 use super::light::{Emitter, Source};
 use super::lighting::{self, PlacedLight};
-use super::surface::{Body, Glow, Part, Place, Shading, normal_matrix};
+use super::surface::{Body, Glow, NO_MAPS, Part, Place, Shading, normal_matrix};
 use super::texture::Texture;
 use crate::color::Emission;
 use crate::document::{self, Base, Document, Geometry, Item, Map, Mesh, Shape};
@@ -94,7 +94,7 @@ impl<'a> Assembly<'a> {
         let (image, turn) = again.unwrap_or((None, Mat3::IDENTITY));
         let sky = match environment.image {
             Some(index) => {
-                let mut image = image.unwrap_or_else(|| Box::new(SkyImage::new(textures[index].clone())));
+                let mut image = image.unwrap_or_else(|| Box::new(SkyImage::new(&textures[index])));
                 image.set(tint, environment.rotation_deg, turn);
                 Sky::Image(image)
             }
@@ -295,7 +295,8 @@ impl<'a> Assembly<'a> {
             true => builder.place_instance(shape, stands)?,
             false => builder.place(shape)?,
         };
-        let parts = vec![Part { end: u32::MAX, material, first: 0, emitter: u32::MAX, uv_set: 0 }];
+        let uv_set = first_texcoord(&self.materials[material as usize]).map_or(NO_MAPS, |_| 0);
+        let parts = vec![Part { end: u32::MAX, material, first: 0, emitter: u32::MAX, uv_set }];
         let body = Body::Sphere { center: held_center, radius };
         self.add_place(Place::new(shape, body, parts, stands, to_world), None, &to_world);
         Ok(())
@@ -326,13 +327,16 @@ fn parts(document: &Document, geometry: &Geometry, mesh: &Mesh, bindings: &[docu
         let bound_set = binding
             .zip(texcoord)
             .and_then(|(b, name)| b.uv_sets.iter().find(|(semantic, _)| semantic == name).map(|(_, set)| *set));
-        let uv_set = bound_set.and_then(|set| mesh.uv_sets.iter().position(|uvs| uvs.set == set)).unwrap_or(0);
+        let uv_set = match texcoord {
+            Some(_) => bound_set.and_then(|set| mesh.uv_sets.iter().position(|uvs| uvs.set == set)).unwrap_or(0) as u32,
+            None => NO_MAPS,
+        };
         Part {
             end: group.triangles.end as u32,
             material: material as u32,
             first: group.triangles.start as u32,
             emitter: u32::MAX,
-            uv_set: uv_set as u32,
+            uv_set,
         }
     };
     debug_assert!(!mesh.groups.is_empty(), "mesh `{}` has no groups", geometry.id);

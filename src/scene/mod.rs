@@ -32,6 +32,7 @@ use crate::color::IndexError;
 use crate::document::Document;
 use crate::embree::{EmbreeError, Ray};
 use crate::film::{Rung, Verdict};
+use crate::math::Frame;
 use crate::mode::{Lanes, Mode};
 
 /// Surfaces that one shadow ray may pass through.
@@ -210,8 +211,8 @@ impl<M: Mode> Scene<M> {
         }
         let textures = self.textures();
         let coverage = material.coverage(surface, textures);
-        let straight =
-            material.bsdf(surface, textures, waves).through(material.frame(surface, textures).to_local(wo), waves);
+        let frame = Frame::new(material.normal(surface, textures));
+        let straight = material.bsdf(surface, textures, waves).through(frame.to_local(wo), waves);
         let hole = 1.0 - coverage;
         match straight {
             None if hole > 0.0 => Some((M::Light::splat(hole), hole)),

@@ -14,7 +14,7 @@ use super::surface::{Glow, Place};
 use super::texture::Texture;
 use crate::color::{Emission, Sensor};
 use crate::document::{self, Document};
-use crate::embree::{Accel, AccelBuilder};
+use crate::embree::{Accel, AccelBuilder, BATCH, Ray};
 
 pub struct Stage {
     pub(super) accel: Accel,
@@ -50,6 +50,12 @@ pub struct Pose {
 }
 
 impl Stage {
+    /// Which of the `active` rays (bit i for ray i) meet any surface, whatever it is made of.
+    #[inline]
+    pub fn occluded_batch(&self, rays: &[Ray; BATCH], active: u8) -> u8 {
+        self.accel.occluded_batch(rays, active)
+    }
+
     /// `threads` share the building; 0 = all.
     ///
     /// # Errors
