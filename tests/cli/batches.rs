@@ -110,7 +110,7 @@ fn a_full_disk_stops_the_batch() {
     let Some(_disk) = SmallDisk::mount(&folder) else { return };
     // Some 0.7 MB a frame.
     let output = folder.file("f.####.exr");
-    let stderr = fail(3, &arguments(&output, &["--size", "300x200", "--spp", "1", "--quiet"]));
+    let stderr = fail(3, &arguments(&output, &["--size", "1000x750", "--spp", "1", "--quiet"]));
     assert!(stderr.contains("No space left on device"), "{stderr}");
     let frames: Vec<String> = folder.names().into_iter().filter(|name| name.ends_with(".exr")).collect();
     assert!((1..5).contains(&frames.len()), "{frames:?}");
