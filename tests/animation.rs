@@ -30,9 +30,13 @@ fn node<'a>(document: &'a Document, id: &str) -> &'a [pellicle::document::Transf
 #[test]
 fn every_kind_of_target_takes_its_value() {
     let document = moving();
-    let (half, changes) = posed(&document, 0.5);
-    let Projection::Perspective { xfov_deg, .. } = half.cameras[0].projection else { panic!("a perspective") };
-    assert_eq!(xfov_deg, Some(45.0));
+    // Tangents as long as the way, without times of their own: a straight line.
+    for (time_s, degrees) in [(0.25, 47.5), (0.5, 45.0), (0.75, 42.5)] {
+        let (document, _) = posed(&document, time_s);
+        let Projection::Perspective { xfov_deg, .. } = document.cameras[0].projection else { panic!("a perspective") };
+        assert!((xfov_deg.unwrap() - degrees).abs() < 1e-4, "{xfov_deg:?} at {time_s} s");
+    }
+    let (_, changes) = posed(&document, 0.5);
     assert_eq!(changes, Changes { cameras: true, ..Changes::default() });
 
     let (half, changes) = posed(&document, 1.5);

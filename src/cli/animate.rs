@@ -12,7 +12,7 @@ use crate::error::Error;
 
 /// Render the animation that a scene file brings along
 ///
-/// Plays the channels of its <animation> elements: transforms of nodes, cameras, the colours of lights, films and other
+/// Plays the channels of its `animation` elements: transforms of nodes, cameras, the colours of lights, films and other
 /// values of materials. Frame n is n / fps seconds into the animation. The scene is loaded and built once; each frame builds
 /// anew only what has changed. Reports and exit codes are those of `pellicle turntable`.
 #[derive(Args)]

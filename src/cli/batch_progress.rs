@@ -93,7 +93,9 @@ impl State {
 
     fn message(&self, frame: u32, count: usize) -> String {
         let place = format!("frame {} of {count}", self.done + 1);
-        let number = if frame as usize == self.done + 1 { String::new() } else { format!(" (number {frame})") };
+        // The number says more only where the list does not begin at 0 or 1 and go on from there.
+        let is_plain = [self.done, self.done + 1].contains(&(frame as usize));
+        let number = if is_plain { String::new() } else { format!(" (number {frame})") };
         match self.each_s() {
             None => format!("{place}{number}"),
             Some(each_s) => {

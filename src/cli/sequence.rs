@@ -181,6 +181,18 @@ impl<'a> Work<'a> {
             let there = frames.0.len() - todo.0.len();
             self.talk.inform(&format!("{there} of {} frames are there", frames.0.len()));
         }
+        let mut rest = Rest {
+            todo,
+            all: frames,
+            record,
+            pattern: self.pattern.clone(),
+            talk: self.talk,
+            exposure_ev: self.still.exposure_ev,
+            suffix: self.suffix,
+        };
+        if rest.todo.0.is_empty() {
+            return rest.report(Vec::new());
+        }
 
         let moving = motion.moving();
         let (stage, camera, placed, notes) = still::movable_stage(&self.document, &self.still, moving)?;
@@ -192,20 +204,11 @@ impl<'a> Work<'a> {
         let transport = self.picture.transport(&self.document, &self.still, &stage, &camera, self.talk)?;
         let loading = Loading { parse_s: self.parse_s, pilot_s: pilot.elapsed().as_secs_f64() };
         let plan = SequencePlan {
-            pattern: self.pattern.clone(),
+            pattern: self.pattern,
             format: self.format,
             seed_lock: self.args.seed_lock,
             budget: self.args.budget(),
             settings,
-        };
-        let rest = Rest {
-            todo,
-            all: frames,
-            record,
-            pattern: self.pattern,
-            talk: self.talk,
-            exposure_ev: self.still.exposure_ev,
-            suffix: self.suffix,
         };
         let scene = Staged {
             document: self.document,

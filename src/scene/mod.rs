@@ -1,6 +1,6 @@
 //! The scene as the path loop sees it.
 //!
-//! A [`Stage`] is built once from a [`Document`](crate::document::Document): shapes, images, lights. A [`Scene`] adds the
+//! A [`Stage`] is built once from a [`Document`]: shapes, images, lights. A [`Scene`] adds the
 //! materials, compiled for one colour mode.
 
 mod assembly;

@@ -43,6 +43,8 @@ fn what_kill_9_leaves_goes_on_to_the_same_bits() {
     assert_eq!(report(&broken)["summary"]["done"], 5);
     assert_eq!(broken.names(), whole.names(), "nothing else is left");
     assert_eq!(succeed(&arguments(&output, &["--missing"])).stdout, "");
+    let again = succeed(&arguments(&output, &["--resume"])).stderr;
+    assert!(again.contains("5 of 5 frames are there") && !again.contains("triangles"), "nothing is built: {again}");
 }
 
 #[test]
