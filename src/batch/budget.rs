@@ -6,6 +6,8 @@ use crate::render::{SoFar, Watch};
 
 /// Below this many samples per pixel a variance says little.
 const LEAST_SPP_FOR_NOISE: u32 = 16;
+/// Samples change by no more than this from one frame to the next: a step would show.
+const MOST_STEP: f64 = 1.25;
 /// A frame that costs more than those before it may take this many shares of the total before it is cut short.
 const MOST_SHARES: f64 = 2.0;
 
@@ -31,8 +33,8 @@ pub struct Limit {
 /// Shares the budget of a batch.
 ///
 /// The first frame gets an equal share of the time. From then on the frames that are left get an equal number of samples,
-/// as many as the time that is left pays for at the median cost so far: neighbours then look alike, and slow frames do not
-/// lose quality for being slow.
+/// as many as the time that is left pays for at the median cost so far, but not many more or fewer than the frame before:
+/// neighbours look alike, and slow frames do not lose quality for being slow.
 pub struct Schedule {
     budget: Budget,
     /// The most samples per pixel.
@@ -41,11 +43,13 @@ pub struct Schedule {
     /// Seconds per sample per pixel of the frames so far, and seconds beside rendering.
     costs_s: Vec<f64>,
     aside_s: Vec<f64>,
+    /// Samples per pixel of the frame before.
+    last_spp: Option<u32>,
 }
 
 impl Schedule {
     pub fn new(budget: Budget, spp: u32, start: Instant) -> Self {
-        Self { budget, spp, start, costs_s: Vec::new(), aside_s: Vec::new() }
+        Self { budget, spp, start, costs_s: Vec::new(), aside_s: Vec::new(), last_spp: None }
     }
 
     /// For the next frame, when `left` frames are to come, itself included.
@@ -60,7 +64,11 @@ impl Schedule {
         let share_s = (left_s / left.max(1) as f64 - median(&self.aside_s).unwrap_or(0.0)).max(0.0);
         let (most_s, spp) = match median(&self.costs_s) {
             None => (share_s, limit.spp),
-            Some(cost_s) => ((MOST_SHARES * share_s).min(left_s), (share_s / cost_s) as u32),
+            Some(cost_s) => {
+                let last = self.last_spp.map_or(share_s / cost_s, f64::from);
+                let spp = (share_s / cost_s).clamp(last / MOST_STEP, last * MOST_STEP);
+                ((MOST_SHARES * share_s).min(left_s), spp as u32)
+            }
         };
         let time_s = limit.time_s.map_or(most_s, |time_s| time_s.min(most_s));
         Limit { spp: spp.clamp(1, limit.spp), time_s: Some(time_s.max(0.0)), ..limit }
@@ -70,6 +78,7 @@ impl Schedule {
     pub fn note(&mut self, spp: u32, render_s: f64, total_s: f64) {
         self.costs_s.push(render_s / f64::from(spp.max(1)));
         self.aside_s.push((total_s - render_s).max(0.0));
+        self.last_spp = Some(spp);
     }
 }
 
@@ -144,7 +153,8 @@ mod tests {
         assert_eq!(schedule.share(Some(70.0), 7, OPEN), Limit { spp: 90, time_s: Some(18.0), noise: None });
         // The last one cannot take more than there is.
         assert_eq!(schedule.share(Some(6.0), 1, OPEN).time_s, Some(6.0));
-        // Over: a frame still is a frame.
-        assert_eq!(schedule.share(Some(-5.0), 2, OPEN), Limit { spp: 1, time_s: Some(0.0), noise: None });
+        // More time or less time: the samples follow step by step, and the clock has the last word.
+        assert_eq!(schedule.share(Some(700.0), 7, OPEN).spp, 112);
+        assert_eq!(schedule.share(Some(-5.0), 2, OPEN), Limit { spp: 72, time_s: Some(0.0), noise: None });
     }
 }

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use super::frames::FrameList;
+use super::frames::{FrameList, Pattern};
 use super::row::Row;
 use super::summary::Summary;
 use crate::error::Error;
@@ -91,6 +91,26 @@ impl Record {
         append(&path, &line(&row)).map_err(|source| OutputError::Io { task: "append to", path, source })?;
         self.rows.insert(row.frame, row);
         self.write_json()
+    }
+
+    /// Adds a row for each of these frames that has none: they are there, but nobody knows what they took.
+    ///
+    /// # Errors
+    /// As [`add`](Self::add).
+    pub fn fill(&mut self, there: impl Iterator<Item = u32>, pattern: &Pattern) -> Result<(), Error> {
+        for frame in there {
+            if self.rows.get(&frame).is_none_or(Row::is_failed) {
+                self.add(Row {
+                    frame,
+                    file: pattern.path(frame).display().to_string(),
+                    status: "unrecorded".to_owned(),
+                    reason: "the frame is whole; the program ended before it could note the time".to_owned(),
+                    settings: self.settings.clone(),
+                    ..Row::default()
+                })?;
+            }
+        }
+        Ok(())
     }
 
     /// Takes in what other processes have added meanwhile, and writes everything once more.

@@ -9,7 +9,7 @@ pub struct Row {
     /// Turntable: degrees. Animation: seconds.
     pub moment: f64,
     pub file: String,
-    /// `ok` or `failed`.
+    /// `ok`, `failed`, or `unrecorded`: the frame is there, but the program ended before its row was written.
     pub status: String,
     /// Why it failed.
     pub reason: String,
@@ -78,6 +78,10 @@ impl Row {
 
     pub fn is_ok(&self) -> bool {
         self.status == "ok"
+    }
+
+    pub fn is_failed(&self) -> bool {
+        self.status == "failed"
     }
 
     /// Finds what is left of the total, and cuts seconds to whole microseconds.

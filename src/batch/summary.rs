@@ -8,7 +8,7 @@ use super::row::Row;
 /// How many of the slowest frames are named.
 const SLOWEST: usize = 5;
 
-/// Of the frames that are done. Seconds are totals per frame.
+/// Seconds are totals per frame, of those frames that are done and recorded.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Summary {
     pub frames: usize,
@@ -45,7 +45,7 @@ impl Summary {
         let in_list = |row: &&Row| wanted.0.binary_search(&row.frame).is_ok();
         let rows = rows.filter(in_list);
         let done: Vec<&Row> = rows.clone().filter(|row| row.is_ok()).collect();
-        let failed = FrameList(rows.clone().filter(|row| !row.is_ok()).map(|row| row.frame).collect());
+        let failed = FrameList(rows.clone().filter(|row| row.is_failed()).map(|row| row.frame).collect());
         let has_row = |frame: &&u32| !rows.clone().any(|row| row.frame == **frame);
         let missing = FrameList(wanted.0.iter().filter(has_row).copied().collect());
         let mut times: Vec<f64> = done.iter().map(|row| row.total_s).collect();
@@ -57,7 +57,7 @@ impl Summary {
             .sum();
         Self {
             frames: wanted.0.len(),
-            done: done.len(),
+            done: rows.clone().filter(|row| !row.is_failed()).count(),
             failed: failed.to_string(),
             missing: missing.to_string(),
             min_s: quantile(&times, 0.0),
@@ -76,7 +76,7 @@ impl Summary {
     /// The closing line of a batch.
     pub fn line(&self) -> String {
         let mut line = format!("{} of {} frames", self.done, self.frames);
-        if self.done > 0 {
+        if self.total_s > 0.0 {
             line.push_str(&format!(
                 ": {:.2} s in all; a frame takes {:.2} s (min {:.2}, p95 {:.2}, max {:.2}), {:.1} % of it beside rendering, \
                  writing and loading",

@@ -176,10 +176,11 @@ impl<'a> Work<'a> {
         let base = self.args.report_base(&self.pattern);
         output::check_picture(&self.pattern.path(frames.0.first().copied().unwrap_or(0)))?;
         let scene = self.document.path.display().to_string();
-        let record = Record::open(&base, &scene, &settings, &frames, &todo)?;
+        let mut record = Record::open(&base, &scene, &settings, &frames, &todo)?;
         if self.args.resume {
-            let there = frames.0.len() - todo.0.len();
-            self.talk.inform(&format!("{there} of {} frames are there", frames.0.len()));
+            let there = frames.0.iter().copied().filter(|frame| todo.0.binary_search(frame).is_err());
+            record.fill(there.clone(), &self.pattern)?;
+            self.talk.inform(&format!("{} of {} frames are there", there.count(), frames.0.len()));
         }
         let mut rest = Rest {
             todo,
@@ -257,7 +258,7 @@ impl Rest<'_> {
                 stopped = Some(left);
                 break;
             };
-            if !done.row.is_ok() {
+            if done.row.is_failed() {
                 self.talk.inform(&format!("frame {frame} failed: {}", done.row.reason));
             }
             progress.end(&done.row);

@@ -84,7 +84,7 @@ fn sheet(rows: &[&Row], pictures: &[(u32, String)], pattern: &Pattern) -> String
     let mut text = "<h2>Frames</h2>\n<div class=\"sheet\">\n".to_owned();
     for (frame, uri) in pictures {
         let row = rows.iter().find(|row| row.frame == *frame);
-        let time = row.map(|row| format!(", {:.2} s", row.total_s)).unwrap_or_default();
+        let time = row.filter(|row| row.is_ok()).map(|row| format!(", {:.2} s", row.total_s)).unwrap_or_default();
         let path = pattern.path(*frame);
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let _ = writeln!(
@@ -108,7 +108,8 @@ fn table(rows: &[&Row]) -> String {
     for row in rows {
         if !row.is_ok() {
             let reason = escape(&row.reason);
-            let _ = writeln!(text, "<tr class=\"bad\"><td>{}</td><td colspan=\"14\">{reason}</td></tr>", row.frame);
+            let class = if row.is_failed() { " class=\"bad\"" } else { "" };
+            let _ = writeln!(text, "<tr{class}><td>{}</td><td colspan=\"14\">{reason}</td></tr>", row.frame);
             continue;
         }
         let _ = write!(text, "<tr><td>{}</td><td>{:.3}</td><td>{}</td>", row.frame, row.moment, row.spp);
