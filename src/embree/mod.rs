@@ -16,7 +16,7 @@ mod layout;
 mod ray;
 
 pub use accel::Accel;
-pub use batch::BATCH;
+pub use batch::{BATCH, Hits};
 pub use builder::{AccelBuilder, Shape};
 pub use error::EmbreeError;
 pub use handle::version;

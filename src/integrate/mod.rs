@@ -2,10 +2,12 @@
 
 mod direct;
 mod path;
+mod seen;
 mod share;
 mod vertex;
 
 pub use path::Path;
+pub use seen::seen_light;
 pub use share::{GROUP, radiances};
 use std::ops::AddAssign;
 

@@ -2,14 +2,14 @@
 
 use glam::Vec3;
 
-use super::direct::direct_light;
+use super::direct::{Direct, direct_light};
 use super::vertex::Vertex;
 use super::{PathLimits, Strategy, Tally, mis_weight};
 use crate::bsdf::Pdf;
 use crate::embree::Ray;
 use crate::math::Sampler;
 use crate::mode::{Lanes, Mode};
-use crate::scene::Scene;
+use crate::scene::{Scene, Surface};
 
 /// Surfaces that one path may pass straight through.
 const MAX_THROUGH: u32 = 256;
@@ -18,7 +18,7 @@ pub(super) const SURE_BOUNCES: u32 = 3;
 
 /// A path on its way, with the light that it has found so far.
 pub struct Path<M: Mode> {
-    ray: Ray,
+    pub(super) ray: Ray,
     pub waves: M::Waves,
     sampler: Sampler,
     pub radiance: M::Light,
@@ -36,10 +36,24 @@ pub struct Path<M: Mode> {
     pub(super) collapsed: bool,
     /// The next four numbers: for the surface and its holes.
     u_surface: [f32; 4],
+    /// True while the path is to leave out the light that its camera ray meets: it is found otherwise ([`seen_light`]).
+    ///
+    /// [`seen_light`]: super::seen_light
+    blind: bool,
+}
+
+/// What a path comes to at the end of its ray.
+pub(super) enum Arrival<'s> {
+    /// The path is over.
+    End,
+    /// A hole: the path goes straight on.
+    Through,
+    At(Surface<'s>),
 }
 
 impl<M: Mode> Path<M> {
-    pub fn new(ray: Ray, waves: M::Waves, sampler: Sampler) -> Self {
+    /// `blind` paths leave out what [`seen_light`](super::seen_light) finds.
+    pub fn new(ray: Ray, waves: M::Waves, sampler: Sampler, blind: bool) -> Self {
         Self {
             ray,
             waves,
@@ -53,6 +67,7 @@ impl<M: Mode> Path<M> {
             passed: 0,
             collapsed: false,
             u_surface: [0.0; 4],
+            blind,
         }
     }
 
@@ -61,78 +76,84 @@ impl<M: Mode> Path<M> {
         self.scattered.is_some()
     }
 
-    /// Follows the path to its end.
-    pub(super) fn finish(&mut self, scene: &Scene<M>, limits: &PathLimits, tally: &mut Tally) {
-        while let Some(vertex) = self.arrive(scene, limits, tally) {
-            if !self.scatter(scene, &vertex, limits, tally) {
-                return;
-            }
-        }
-    }
-
-    /// Moves to the next surface and adds what it emits; `None` where the path ends.
+    /// Takes the path to what its ray met, and adds what that emits.
+    #[inline]
     pub(super) fn arrive<'s>(
         &mut self,
         scene: &'s Scene<M>,
+        met: Option<Surface<'s>>,
         limits: &PathLimits,
-        tally: &mut Tally,
-    ) -> Option<Vertex<'s, M>> {
-        loop {
-            // Find the next surface, or the light beyond the scene.
-            tally.rays += 1;
-            let Some(surface) = scene.intersect(&self.ray) else {
-                let (scattered, throughput, radiance) = (self.scattered, self.throughput, &mut self.radiance);
-                scene.escape(self.ray.dir, &self.waves, |light, light_pdf| {
-                    *radiance += throughput * light * hit_weight(scattered.map(|(_, pdf)| (pdf, light_pdf)), limits);
-                });
-                return None;
-            };
-            if self.absorption_per_m != Vec3::ZERO {
-                let distance_m = surface.position.distance(self.ray.origin);
-                self.throughput *= transmission::<M>(self.absorption_per_m, distance_m, &self.waves);
+    ) -> Arrival<'s> {
+        let blind = std::mem::take(&mut self.blind);
+        let Some(surface) = met else {
+            if blind {
+                return Arrival::End;
             }
-
-            // Add what the surface emits.
-            if surface.emitter != u32::MAX {
-                let light = scene.emitted(&surface, -self.ray.dir.dot(surface.ng), &self.waves);
-                if !light.is_black() {
-                    let lights = &scene.stage.lights;
-                    let densities = self.scattered.map(|(from, pdf)| (pdf, lights.surface_pdf(from, &surface)));
-                    self.radiance += self.throughput * light * hit_weight(densities, limits);
-                }
-            }
-            if self.bounce >= limits.max_bounces {
-                return None;
-            }
-
-            // Pass through holes.
-            self.u_surface = self.sampler.next_4d();
-            let coverage = scene.material(&surface).coverage(&surface, scene.textures());
-            if self.u_surface[3] < coverage || self.passed >= MAX_THROUGH {
-                return Some(Vertex::new(scene, surface, -self.ray.dir, self.absorption_per_m, &self.waves));
-            }
-            self.passed += 1;
-            self.scattered = self.scattered.map(|(from, pdf)| (from, pdf * (1.0 - coverage)));
-            self.ray = Ray::new(surface.leave(self.ray.dir), self.ray.dir);
+            let (scattered, throughput, radiance) = (self.scattered, self.throughput, &mut self.radiance);
+            scene.escape(self.ray.dir, &self.waves, |light, light_pdf| {
+                *radiance += throughput * light * hit_weight(scattered.map(|(_, pdf)| (pdf, light_pdf)), limits);
+            });
+            return Arrival::End;
+        };
+        if self.absorption_per_m != Vec3::ZERO {
+            let distance_m = surface.position.distance(self.ray.origin);
+            self.throughput *= transmission::<M>(self.absorption_per_m, distance_m, &self.waves);
         }
+
+        // Add what the surface emits.
+        if surface.emitter != u32::MAX && !blind {
+            let light = scene.emitted(&surface, -self.ray.dir.dot(surface.ng), &self.waves);
+            if !light.is_black() {
+                let lights = &scene.stage.lights;
+                let densities = self.scattered.map(|(from, pdf)| (pdf, lights.surface_pdf(from, &surface)));
+                self.radiance += self.throughput * light * hit_weight(densities, limits);
+            }
+        }
+        if self.bounce >= limits.max_bounces {
+            return Arrival::End;
+        }
+
+        // Pass through holes.
+        self.u_surface = self.sampler.next_4d();
+        let coverage = scene.material(&surface).coverage(&surface, scene.textures());
+        if self.u_surface[3] < coverage || self.passed >= MAX_THROUGH {
+            return Arrival::At(surface);
+        }
+        self.passed += 1;
+        self.scattered = self.scattered.map(|(from, pdf)| (from, pdf * (1.0 - coverage)));
+        self.ray = Ray::new(surface.leave(self.ray.dir), self.ray.dir);
+        Arrival::Through
     }
 
-    /// Adds the light that reaches a vertex straight from a source, and sends the path on; false where it ends.
+    /// The surface that the path is at, ready to scatter.
+    #[inline]
+    pub(super) fn vertex<'s>(&self, scene: &'s Scene<M>, surface: Surface<'s>) -> Vertex<'s, M> {
+        Vertex::new(scene, surface, -self.ray.dir, self.absorption_per_m, &self.waves)
+    }
+
+    /// Draws light that reaches a vertex straight from a source, to be added by the caller, and sends the path on: false
+    /// where it ends.
+    #[inline]
     pub(super) fn scatter(
         &mut self,
         scene: &Scene<M>,
         vertex: &Vertex<M>,
         limits: &PathLimits,
         tally: &mut Tally,
-    ) -> bool {
-        // Sample the lights.
+    ) -> (Direct<M::Light>, bool) {
         let [u_light_x, u_light_y, u_light, u_roulette] = self.sampler.next_4d();
+        let mut direct = Direct::NONE;
         if !vertex.bsdf.is_delta() {
-            let u = [u_light, u_light_x, u_light_y];
-            self.radiance += self.throughput * direct_light(scene, vertex, u, &self.waves, limits, tally);
+            direct = direct_light(scene, vertex, [u_light, u_light_x, u_light_y], &self.waves, limits, tally);
+            direct.light = self.throughput * direct.light;
         }
+        let goes_on = self.send_on(vertex, u_roulette);
+        (direct, goes_on)
+    }
 
-        // Sample the surface.
+    /// Samples the surface; false where the path ends.
+    #[inline]
+    fn send_on(&mut self, vertex: &Vertex<M>, u_roulette: f32) -> bool {
         let [u_x, u_y, u_lobe, _] = self.u_surface;
         let Some(sample) = vertex.bsdf.sample(vertex.wo, [u_lobe, u_x, u_y], &self.waves) else { return false };
         let wi = vertex.frame.to_world(sample.wi);

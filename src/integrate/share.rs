@@ -9,9 +9,10 @@
 //! Which pairs may be shared depends on the pair alone (matte, unobstructed, seen through the same normal), never on the
 //! path that found it: others count as light that only their own path can find.
 
+use arrayvec::ArrayVec;
 use glam::Vec3;
 
-use super::path::{Path, SURE_BOUNCES};
+use super::path::{Arrival, Path, SURE_BOUNCES};
 use super::vertex::Vertex;
 use super::{PathLimits, Strategy, Tally};
 use crate::bsdf::Bsdf;
@@ -24,8 +25,12 @@ pub const GROUP: usize = BATCH;
 /// Visibility rays end this share of their length before the surface they look at.
 const GAP: f32 = 1e-4;
 
+/// In place of a ray where there is none.
+const NO_RAY: Ray = Ray { origin: Vec3::ZERO, dir: Vec3::Z, tnear: 0.0, tfar: 0.0 };
+
 /// Where one path of a group looks from, and what it found.
 struct Post<'s, M: Mode> {
+    progress: Progress,
     /// The first surface that can look around.
     x: Option<Vertex<'s, M>>,
     /// The matte surface that the path found from x; the path goes on as its tail.
@@ -37,32 +42,91 @@ struct Post<'s, M: Mode> {
     radiance: M::Light,
 }
 
+/// How far a path has come.
+#[derive(Clone, Copy)]
+enum Progress {
+    /// No surface yet that could look around.
+    Out,
+    /// Just left its post, having passed straight through so many surfaces until then.
+    Left { passed: u32 },
+    /// Followed for its own sake only.
+    Tail,
+}
+
 /// Estimates the radiance of a group of paths of neighbouring pixels, into [`Path::radiance`]. They must have the same
-/// waves; how many they are changes the noise, not the mean. Paths beyond [`GROUP`] are followed alone.
-pub fn radiances<M: Mode>(scene: &Scene<M>, paths: &mut [Path<M>], limits: &PathLimits, tally: &mut Tally) {
-    if limits.strategy != Strategy::Shared {
-        for path in paths {
-            path.finish(scene, limits, tally);
-        }
-        return;
-    }
-    let (group, alone) = paths.split_at_mut(GROUP.min(paths.len()));
-    for path in alone {
-        path.finish(scene, limits, tally);
-    }
+/// waves; how many they are changes the noise, not the mean. The paths go on side by side, one surface at a time, so that
+/// their rays can be traced together.
+pub fn radiances<M: Mode>(
+    scene: &Scene<M>,
+    paths: &mut ArrayVec<Path<M>, GROUP>,
+    limits: &PathLimits,
+    tally: &mut Tally,
+) {
     let (throughput, radiance) = (M::Light::ONE, M::Light::ZERO);
+    let progress = if limits.strategy == Strategy::Shared { Progress::Out } else { Progress::Tail };
     let mut posts: [Post<M>; GROUP] =
-        std::array::from_fn(|_| Post { x: None, y: None, throughput, bounce: 0, radiance });
-    for (path, post) in group.iter_mut().zip(&mut posts) {
-        post.occupy(scene, path, limits, tally);
+        std::array::from_fn(|_| Post { progress, x: None, y: None, throughput, bounce: 0, radiance });
+    let mut rays = [NO_RAY; GROUP];
+    let mut active = 0u8;
+    for (i, path) in paths.iter().enumerate() {
+        rays[i] = path.ray;
+        active |= 1 << i;
     }
+    while active != 0 {
+        // Move every path to its next surface and on.
+        tally.rays += u64::from(active.count_ones());
+        let hits = scene.stage.intersect_batch(&rays, active);
+        let mut shadows = [NO_RAY; GROUP];
+        let mut lights = [M::Light::ZERO; GROUP];
+        let mut doubtful = 0u8;
+        for (i, (path, post)) in paths.iter_mut().zip(&mut posts).enumerate() {
+            if active >> i & 1 == 0 {
+                continue;
+            }
+            let goes_on = match path.arrive(scene, scene.surface(&hits, i), limits) {
+                Arrival::End => false,
+                Arrival::Through => true,
+                Arrival::At(surface) => {
+                    let vertex = path.vertex(scene, surface);
+                    let kept = post.judge(&vertex, path);
+                    let (direct, goes_on) = path.scatter(scene, &vertex, limits, tally);
+                    match direct.shadow {
+                        Some(shadow) => {
+                            (shadows[i], lights[i]) = (shadow, direct.light);
+                            doubtful |= 1 << i;
+                        }
+                        None => path.radiance += direct.light,
+                    }
+                    match kept {
+                        Kept::X => post.x = Some(vertex),
+                        Kept::Y => post.y = Some(vertex),
+                        Kept::Nothing => {}
+                    }
+                    goes_on
+                }
+            };
+            rays[i] = path.ray;
+            if !goes_on {
+                active &= !(1 << i);
+            }
+        }
+
+        // Add the light that nothing stands in the way of.
+        let hidden = scene.stage.occluded_batch(&shadows, doubtful);
+        for (i, path) in paths.iter_mut().enumerate() {
+            if (doubtful & !hidden) >> i & 1 == 1 {
+                path.radiance += lights[i];
+            }
+        }
+    }
+
     let mut gathered = [M::Light::ZERO; GROUP];
-    for (finder, path) in posts.iter().zip(&*group) {
+    for (finder, path) in posts.iter().zip(&*paths) {
         if let Some(y) = &finder.y {
             hand_out(scene, &posts, (finder, y), path, &mut gathered, tally);
         }
     }
-    for ((path, post), gathered) in group.iter_mut().zip(&posts).zip(gathered) {
+    for ((path, post), gathered) in paths.iter_mut().zip(&posts).zip(gathered) {
         if post.y.is_some() {
             path.radiance = post.radiance;
         }
@@ -70,46 +134,37 @@ pub fn radiances<M: Mode>(scene: &Scene<M>, paths: &mut [Path<M>], limits: &Path
     }
 }
 
-impl<'s, M: Mode> Post<'s, M> {
-    /// Follows a path to its end. With a find, the path's radiance is what y scatters; without, what the path found.
-    fn occupy(&mut self, scene: &'s Scene<M>, path: &mut Path<M>, limits: &PathLimits, tally: &mut Tally) {
-        loop {
-            // Find a surface that can look around.
-            self.x = path.arrive(scene, limits, tally);
-            let Some(x) = &self.x else { return };
-            let (throughput, bounce, passed) = (path.throughput, path.bounce, path.passed);
-            let looks_around = looks_around(x, path);
-            let goes_on = path.scatter(scene, x, limits, tally);
-            if !looks_around {
-                if goes_on {
-                    continue;
-                }
-                self.x = None;
-                return;
-            }
-            (self.throughput, self.bounce) = (throughput, bounce);
-            if !goes_on {
-                return;
-            }
+/// What a vertex is to its group.
+enum Kept {
+    X,
+    Y,
+    Nothing,
+}
 
-            // See what this path finds from there.
-            let spread = path.was_spread();
-            self.y = path.arrive(scene, limits, tally);
-            let Some(y) = &self.y else { return };
-            let toward_x = y.frame.to_world(y.wo);
-            let found = spread && path.passed == passed && is_matte(y) && y.looks_the_same(toward_x);
-            if found {
+impl<M: Mode> Post<'_, M> {
+    /// Whether a path's next vertex is one to look from or one that was found. From a find on the path's radiance is what y
+    /// scatters; before, and without one, what the path found.
+    #[inline]
+    fn judge(&mut self, vertex: &Vertex<M>, path: &mut Path<M>) -> Kept {
+        match self.progress {
+            Progress::Out if looks_around(vertex, path) => {
+                self.progress = Progress::Left { passed: path.passed };
+                (self.throughput, self.bounce) = (path.throughput, path.bounce);
+                Kept::X
+            }
+            Progress::Left { passed } => {
+                self.progress = Progress::Tail;
+                let toward_x = vertex.frame.to_world(vertex.wo);
+                let straight = path.was_spread() && path.passed == passed;
+                if !(straight && is_matte(vertex) && vertex.looks_the_same(toward_x)) {
+                    return Kept::Nothing;
+                }
                 path.importance *= path.throughput.max();
                 path.throughput = M::Light::ONE;
                 self.radiance = std::mem::replace(&mut path.radiance, M::Light::ZERO);
+                Kept::Y
             }
-            if path.scatter(scene, y, limits, tally) {
-                path.finish(scene, limits, tally);
-            }
-            if !found {
-                self.y = None;
-            }
-            return;
+            _ => Kept::Nothing,
         }
     }
 }
@@ -140,7 +195,7 @@ fn hand_out<M: Mode>(
     // What each post would make of y, if it sees it.
     let mut seen = [M::Light::ZERO; GROUP];
     let mut densities = [0.0; GROUP];
-    let mut rays = [Ray::new(Vec3::ZERO, Vec3::Z); GROUP];
+    let mut rays = [NO_RAY; GROUP];
     let mut doubtful = 0u8;
     for (k, post) in posts.iter().enumerate() {
         let Some(x) = post.x.as_ref().filter(|_| post.bounce == finder.bounce) else { continue };

@@ -4,6 +4,7 @@
 //! bits, however the samples are cut into passes.
 
 mod clock;
+mod edge;
 mod filter;
 mod frame;
 mod noise;
@@ -21,6 +22,7 @@ use crate::integrate::{GROUP, Path, PathLimits, Tally, radiances};
 use crate::math::Sampler;
 use crate::mode::{Lanes, Mode};
 use crate::scene::{Camera, Scene};
+use edge::Edges;
 use tile::Tile;
 
 /// Largest number of samples that a pass adds to each pixel. A render stops between tiles: no pixel is then more than this
@@ -154,11 +156,16 @@ fn render_tile<M: Mode>(
     samples: std::ops::Range<u32>,
 ) -> Tally {
     let mut tally = Tally::default();
+    let edges = match tile.edges.take() {
+        Some(edges) => edges,
+        None => Edges::find(scene, camera, plan, tile, &mut tally),
+    };
     for group in tile.groups() {
         for index in samples.clone() {
-            render_group(scene, camera, plan, tile, &group, index, &mut tally);
+            render_group(scene, camera, plan, (tile, &edges), &group, index, &mut tally);
         }
     }
+    tile.edges = Some(edges);
     tile.spp = samples.end;
     tally
 }
@@ -169,7 +176,7 @@ fn render_group<M: Mode>(
     scene: &Scene<M>,
     camera: &Camera,
     plan: &Plan,
-    tile: &mut Tile,
+    (tile, edges): (&mut Tile, &Edges),
     group: &[u32],
     index: u32,
     tally: &mut Tally,
@@ -189,9 +196,16 @@ fn render_group<M: Mode>(
         let [u_x, u_y, lens_x, lens_y] = sampler.next_4d();
         let offset = Vec2::new(plan.filter.sample(u_x), plan.filter.sample(u_y));
         let position = Vec2::new(x as f32, y as f32) + 0.5 + offset;
-        paths.push(Path::new(camera.ray(position, [lens_x, lens_y]), waves, sampler));
+        let blind = edges.cross(x - tile.x0, y - tile.y0);
+        paths.push(Path::new(camera.ray(position, [lens_x, lens_y]), waves, sampler, blind));
     }
     radiances(scene, &mut paths, &plan.limits, tally);
+    for (&member, path) in group.iter().zip(&mut paths) {
+        let [x, y] = tile.place(member);
+        if edges.cross(x - tile.x0, y - tile.y0) {
+            path.radiance += edge::seen_sample(scene, camera, plan, ([x, y], number([x, y])), index, &waves, tally);
+        }
+    }
     for (&member, path) in group.iter().zip(&paths) {
         if path.radiance.is_finite() {
             let rgb = M::to_rgb(path.radiance, &path.waves, &scene.stage.sensor);

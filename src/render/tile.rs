@@ -3,6 +3,7 @@
 use arrayvec::ArrayVec;
 use glam::Vec3;
 
+use super::edge::Edges;
 use crate::integrate::GROUP;
 use crate::math::distribution::spread_bits;
 
@@ -16,6 +17,8 @@ pub struct Tile {
     /// Samples that each pixel has.
     pub spp: u32,
     pub pixels: Vec<Pixel>,
+    /// Found with the first samples.
+    pub edges: Option<Edges>,
 }
 
 /// Sums over the samples of one pixel.
@@ -55,7 +58,7 @@ impl Tile {
     /// Pixel numbers of the groups that share paths: close together, but never neighbours, so that what they share is not
     /// seen as blotches.
     pub fn groups(&self) -> Vec<ArrayVec<u32, GROUP>> {
-        let (columns, height) = (self.width.div_ceil(BLOCK), self.pixels.len() as u32 / self.width);
+        let (columns, height) = (self.width.div_ceil(BLOCK), self.height());
         let mut groups = vec![ArrayVec::new(); (columns * height.div_ceil(BLOCK) * BLOCK) as usize];
         for pixel in 0..self.pixels.len() as u32 {
             let (x, y) = (pixel % self.width, pixel / self.width);
@@ -63,6 +66,10 @@ impl Tile {
             groups[(block * BLOCK + (x + 3 * y) % BLOCK) as usize].push(pixel);
         }
         groups
+    }
+
+    pub fn height(&self) -> u32 {
+        self.pixels.len() as u32 / self.width
     }
 
     /// Where a pixel lies in the picture.
@@ -80,7 +87,7 @@ impl Tile {
             let (x0, y0) = (column * TILE_SIDE, row * TILE_SIDE);
             let (tile_width, tile_height) = ((width - x0).min(TILE_SIDE), (height - y0).min(TILE_SIDE));
             let pixels = vec![Pixel::default(); (tile_width * tile_height) as usize];
-            Self { x0, y0, width: tile_width, spp: 0, pixels }
+            Self { x0, y0, width: tile_width, spp: 0, pixels, edges: None }
         };
         places.into_iter().map(tile).collect()
     }

@@ -14,7 +14,7 @@ use super::surface::{Glow, Place};
 use super::texture::Texture;
 use crate::color::{Emission, Sensor};
 use crate::document::{self, Document};
-use crate::embree::{Accel, AccelBuilder, BATCH, Ray};
+use crate::embree::{Accel, AccelBuilder, BATCH, Hits, Ray};
 
 pub struct Stage {
     pub(super) accel: Accel,
@@ -50,6 +50,12 @@ pub struct Pose {
 }
 
 impl Stage {
+    /// What the `active` rays (bit i for ray i) meet first, for [`Scene::surface`](super::Scene::surface).
+    #[inline]
+    pub fn intersect_batch(&self, rays: &[Ray; BATCH], active: u8) -> Hits {
+        self.accel.intersect_batch(rays, active)
+    }
+
     /// Which of the `active` rays (bit i for ray i) meet any surface, whatever it is made of.
     #[inline]
     pub fn occluded_batch(&self, rays: &[Ray; BATCH], active: u8) -> u8 {
