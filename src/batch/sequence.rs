@@ -214,7 +214,8 @@ impl<M: Mode> Sequence<M> {
             out_of_gamut: stats.out_of_gamut,
             bvh_builds: u32::from(loading.is_some()),
             instances_moved: posed.instances_moved,
-            materials_compiled: first(self.document.materials.len() as f64) as usize + posed.materials_compiled,
+            materials_compiled: posed.materials_compiled
+                + if loading.is_some() { self.document.materials.len() } else { 0 },
             pixel_sha256: pixel_hash(&image),
             peak_rss_mb: stats.peak_rss_mb,
             ..self.row(frame, path, start)

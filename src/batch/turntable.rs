@@ -120,7 +120,7 @@ impl Turntable {
             turns,
             placements,
         };
-        let line = table.describe(document, &pieces);
+        let line = table.describe(document, &pieces, &object);
         Ok((table, line))
     }
 
@@ -146,7 +146,7 @@ impl Turntable {
         self.placements.iter().zip(&self.turns).map(turned).collect()
     }
 
-    fn describe(&self, document: &Document, pieces: &[Piece]) -> String {
+    fn describe(&self, document: &Document, pieces: &[Piece], object: &[bool]) -> String {
         let of = |wanted: &dyn Fn(&Piece, bool) -> bool| {
             let found = pieces.iter().zip(&self.turns).filter(|(piece, turns)| wanted(piece, **turns));
             names(found.map(|(piece, _)| document.nodes[piece.node].id.as_str()).collect())
@@ -163,6 +163,11 @@ impl Turntable {
         let still = |piece: &Piece, turns: bool| !turns && !piece.lamp && piece.bounds.is_some();
         if self.turning == Turning::Object && pieces.iter().zip(&self.turns).any(|(p, turns)| still(p, *turns)) {
             let _ = write!(line, "; not {} (--object chooses)", of(&still));
+        }
+        let walls = walls(pieces, object);
+        if self.turning == Turning::Camera && !walls.is_empty() {
+            let ids = walls.into_iter().map(|node| document.nodes[node].id.as_str()).collect();
+            let _ = write!(line, "; {} may come between (--mode object turns the object instead)", names(ids));
         }
         line
     }
@@ -254,6 +259,17 @@ fn middle(pieces: &[Piece], object: &[bool]) -> Vec3 {
     let (low, high) =
         boxes.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), (from, to)| (low.min(from), high.max(to)));
     if low.x <= high.x { 0.5 * (low + high) } else { Vec3::ZERO }
+}
+
+/// Nodes that are not of the object and stand as high as it does.
+fn walls(pieces: &[Piece], object: &[bool]) -> Vec<usize> {
+    let both = || pieces.iter().zip(object);
+    let bounds = both().filter(|(_, belongs)| **belongs).filter_map(|(piece, _)| piece.bounds);
+    let top = bounds.map(|(_, high)| high.y).fold(f32::NEG_INFINITY, f32::max);
+    let middle = middle(pieces, object).y;
+    let stands = |(low, high): (Vec3, Vec3)| low.y < middle && high.y >= top;
+    let is_wall = |(piece, belongs): &(&Piece, &bool)| !**belongs && !piece.lamp && piece.bounds.is_some_and(stands);
+    both().filter(is_wall).map(|(piece, _)| piece.node).collect()
 }
 
 /// World matrix of the first place of a node.

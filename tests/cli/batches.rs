@@ -157,9 +157,16 @@ fn frames_stop_at_their_time() {
 fn frames_stop_at_their_noise() {
     let folder = Folder::new("noise");
     let output = folder.file("f.####.exr");
-    succeed(&arguments(&output, &["--frames", "2", "--spp", "60000", "--noise", "0.2"]));
+    succeed(&arguments(&output, &["--frames", "2", "--spp", "16"]));
+    let target = numbers(&folder, "noise")[0] / 3.0;
+    let noise = format!("{target:.6}");
+    succeed(&arguments(&output, &["--frames", "2", "--spp", "60000", "--noise", &noise]));
     for (noise, spp) in numbers(&folder, "noise").into_iter().zip(numbers(&folder, "spp")) {
-        assert!((0.05..=0.2).contains(&noise) && (16.0..20_000.0).contains(&spp), "{noise} at {spp} spp");
+        // A third of the noise takes about nine times the samples.
+        assert!(
+            (0.5 * target..=1.0001 * target).contains(&noise) && spp > 48.0 && spp < 1600.0,
+            "{noise} at {spp} spp"
+        );
     }
 }
 
