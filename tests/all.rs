@@ -3,6 +3,7 @@
 // Clippy's own exception for tests does not reach their helper functions.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod animation; // what channels drive, and what a posed document holds
 mod bsdf; // sampling agrees with densities; energy; reciprocity
 mod cli; // the program as it is run: exit codes, messages, signals, full disks
 mod collada; // files load to what they say; bad ones give exactly the error that helps

@@ -8,6 +8,10 @@ use std::time::{Duration, Instant};
 
 use pellicle::output::{is_complete, read_exr};
 
+#[path = "cli/animate.rs"]
+mod animate;
+#[path = "cli/batches.rs"]
+mod batches;
 #[path = "cli/encode.rs"]
 mod encode;
 #[path = "cli/faults.rs"]
@@ -18,6 +22,8 @@ mod merge;
 mod signals;
 #[path = "cli/slurm.rs"]
 mod slurm;
+#[path = "cli/turntable.rs"]
+mod turntable;
 
 /// An empty folder with the name of its test, removed at the end.
 struct Folder(PathBuf);
@@ -275,7 +281,7 @@ fn check_survives_a_reader_that_goes_away() {
 #[test]
 fn help_shows_an_example_of_every_subcommand() {
     let overview = succeed(&["--help"]).stdout;
-    for subcommand in ["render", "check", "merge", "encode"] {
+    for subcommand in ["render", "turntable", "animate", "check", "merge", "encode"] {
         assert!(overview.contains(&format!("  {subcommand}")), "{overview}");
         let help = succeed(&[subcommand, "--help"]).stdout;
         assert!(help.contains(&format!("  pellicle {subcommand} ")), "{help}");

@@ -14,6 +14,7 @@ use crate::render::{self, Accumulation, Frame, Plan, Watch};
 use crate::scene::{BuildError, Camera, FilmOptions, Framing, Placed, Scene, Stage};
 
 /// What is to be made, with every default filled in.
+#[derive(Clone, Debug)]
 pub struct StillPlan {
     pub size: [Option<u32>; 2],
     /// Camera or node id; `None`: the first.
@@ -28,7 +29,7 @@ pub struct StillPlan {
 
 /// A scene that is ready to render.
 pub struct Prepared<M: Mode> {
-    scene: Scene<M>,
+    pub(super) scene: Scene<M>,
     pub camera: Camera,
 }
 
@@ -37,7 +38,20 @@ pub struct Prepared<M: Mode> {
 /// # Errors
 /// Images or memory (see [`Stage::new`]), a camera that does not exist, or a picture too large for the memory.
 pub fn stage(document: &Document, plan: &StillPlan) -> Result<(Arc<Stage>, Camera, Vec<String>), Error> {
-    let stage = Stage::new(document, plan.render.threads).map_err(|source| built(document, source))?;
+    let (stage, camera, _, notes) = movable_stage(document, plan, Vec::new())?;
+    Ok((Arc::new(stage), camera, notes))
+}
+
+/// The same for a stage of which parts will move ([`Stage::movable`]), with the rule that placed the camera.
+///
+/// # Errors
+/// As [`stage`].
+pub fn movable_stage(
+    document: &Document,
+    plan: &StillPlan,
+    moving: Vec<bool>,
+) -> Result<(Stage, Camera, Placed, Vec<String>), Error> {
+    let stage = Stage::movable(document, plan.render.threads, moving).map_err(|source| built(document, source))?;
     let (camera, placed) =
         Camera::new(document, plan.camera.as_deref(), plan.size, plan.framing, stage.bounds).map_err(Error::Usage)?;
     render::check_memory(camera.size, plan.max_memory.unwrap_or_else(render::available_memory))?;
@@ -52,7 +66,7 @@ pub fn stage(document: &Document, plan: &StillPlan) -> Result<(Arc<Stage>, Camer
     if stage.lights.emitters.is_empty() {
         notes.push("warning: the scene has no light; the picture will be black".to_owned());
     }
-    Ok((Arc::new(stage), camera, notes))
+    Ok((stage, camera, placed, notes))
 }
 
 /// Compiles the materials for a colour mode.

@@ -1,5 +1,7 @@
 //! The command line. The only room that prints.
 
+mod animate;
+mod batch_progress;
 mod check;
 mod encode;
 mod film;
@@ -8,6 +10,8 @@ mod progress;
 mod render;
 mod sampling;
 mod scene_args;
+mod sequence;
+mod turntable;
 
 use std::io::Write;
 use std::process::ExitCode;
@@ -29,6 +33,8 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Render(Box<render::RenderArgs>),
+    Turntable(Box<turntable::TurntableArgs>),
+    Animate(Box<animate::AnimateArgs>),
     Check(check::CheckArgs),
     Film(Box<film::FilmArgs>),
     Merge(merge::MergeArgs),
@@ -40,6 +46,8 @@ pub fn main() -> ExitCode {
     let cli = Cli::parse();
     let result = match cli.command {
         Command::Render(args) => render::run(&args),
+        Command::Turntable(args) => turntable::run(&args),
+        Command::Animate(args) => animate::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Film(args) => film::run(&args),
         Command::Merge(args) => merge::run(&args),

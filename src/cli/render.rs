@@ -15,6 +15,7 @@ use super::{print, say};
 use crate::batch::checkpoint::Saver;
 use crate::batch::still::{self, Look, StillPlan};
 use crate::batch::{Transport, choose_mode};
+use crate::collada::Warning;
 use crate::document::{Document, RenderHints};
 use crate::error::Error;
 use crate::film::Rung;
@@ -39,12 +40,26 @@ pub struct RenderArgs {
     /// Where to write the picture: .exr or .png
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
+    #[command(flatten)]
+    picture: PictureArgs,
+    #[command(flatten)]
+    sampling: SamplingArgs,
+    /// Write timings, counts and settings as JSON
+    #[arg(long, value_name = "FILE")]
+    stats: Option<PathBuf>,
+    #[command(flatten)]
+    talk: TalkArgs,
+}
+
+/// How pictures are made: shared by every subcommand that renders.
+#[derive(Args)]
+pub struct PictureArgs {
     /// Picture size in pixels; one of the two may be left out (`1280x`, `x720`)
     #[arg(short = 'r', long, value_name = "WxH", value_parser = parse_size)]
     size: Option<Size>,
     /// Samples per pixel [default: the scene's, or 128]
     #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
-    spp: Option<u32>,
+    pub spp: Option<u32>,
     /// Seed of the sample pattern [default: the scene's, or 0]
     #[arg(long, value_name = "N")]
     seed: Option<u32>,
@@ -68,7 +83,7 @@ pub struct RenderArgs {
     mode: Option<ModeArg>,
     /// Wavelengths per path of spectral transport
     #[arg(long, value_name = "N", value_parser = ["4", "8", "16"], default_value = "8")]
-    wavelengths: String,
+    pub wavelengths: String,
     /// Film model, instead of the cheapest one within the tolerance
     #[arg(long, value_name = "RUNG", value_enum)]
     film: Option<RungArg>,
@@ -87,20 +102,38 @@ pub struct RenderArgs {
     /// Write 32-bit instead of 16-bit floats to EXR
     #[arg(long)]
     float: bool,
-    #[command(flatten)]
-    sampling: SamplingArgs,
     /// Most memory for the picture, like `8G` or `500M` [default: what the machine has left]
     #[arg(long, value_name = "SIZE", value_parser = parse_bytes)]
     max_memory: Option<u64>,
-    /// Write timings, counts and settings as JSON
-    #[arg(long, value_name = "FILE")]
-    stats: Option<PathBuf>,
+}
+
+/// What is said on the way.
+#[derive(Args)]
+pub struct TalkArgs {
     /// How progress is shown on stderr
     #[arg(long, value_name = "STYLE", value_enum, default_value = "auto")]
-    progress: ProgressArg,
+    pub progress: ProgressArg,
     /// Say nothing but errors
     #[arg(short, long)]
-    quiet: bool,
+    pub quiet: bool,
+}
+
+impl TalkArgs {
+    pub fn inform(&self, line: &str) {
+        if !self.quiet {
+            say(line);
+        }
+    }
+
+    pub fn warn(&self, warnings: &[Warning]) {
+        for warning in warnings {
+            self.inform(&format!("warning: {warning}"));
+        }
+    }
+
+    pub fn style(&self) -> ProgressArg {
+        if self.quiet { ProgressArg::None } else { self.progress }
+    }
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -110,8 +143,8 @@ enum FilterArg {
     BlackmanHarris,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
-enum ModeArg {
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum ModeArg {
     /// RGB where it is exact enough for the scene, else spectral
     Auto,
     Rgb,
@@ -173,11 +206,6 @@ fn parse_bytes(text: &str) -> Result<u64, String> {
 }
 
 pub fn run(args: &RenderArgs) -> Result<(), Error> {
-    let inform = |line: &str| {
-        if !args.quiet {
-            say(line);
-        }
-    };
     // Find out now, not after hours, whether the results can be written.
     let target = args.sampling.target(&args.output)?;
     if let Some(stats) = &args.stats {
@@ -187,29 +215,16 @@ pub fn run(args: &RenderArgs) -> Result<(), Error> {
     let loading = std::time::Instant::now();
     let (document, warnings) = args.scene.load()?;
     let parse_s = loading.elapsed().as_secs_f64();
-    if !args.quiet {
-        for warning in &warnings {
-            say(&format!("warning: {warning}"));
-        }
-    }
+    args.talk.warn(&warnings);
 
-    let plan = args.plan(&document.render);
+    let plan = args.picture.plan(&document.render);
     let (stage, camera, notes) = still::stage(&document, &plan)?;
     for note in &notes {
-        inform(note);
+        args.talk.inform(note);
     }
-    let transport = match args.mode_of(&document.render)? {
-        ModeArg::Rgb => Transport::Rgb,
-        ModeArg::Spectral => Transport::Spectral,
-        ModeArg::Auto => {
-            let (transport, reason) = choose_mode(&document, &plan, &stage, &camera)?;
-            let name = if transport == Transport::Rgb { "rgb" } else { "spectral" };
-            inform(&format!("mode: {name} ({reason})"));
-            transport
-        }
-    };
+    let transport = args.picture.transport(&document, &plan, &stage, &camera, &args.talk)?;
     let job = Job { args, document: &document, plan: &plan, stage: &stage, camera: &camera, target, parse_s };
-    match (transport, args.wavelengths.as_str()) {
+    match (transport, args.picture.wavelengths.as_str()) {
         (Transport::Rgb, _) => job.render::<Rgb>(),
         (Transport::Spectral, "4") => job.render::<Spectral<4>>(),
         (Transport::Spectral, "16") => job.render::<Spectral<16>>(),
@@ -231,16 +246,11 @@ struct Job<'a> {
 impl Job<'_> {
     fn render<M: Mode>(&self) -> Result<(), Error> {
         let Self { args, document, plan, .. } = self;
-        let inform = |line: &str| {
-            if !args.quiet {
-                say(line);
-            }
-        };
         let samples = args.sampling.range(plan.render.spp)?;
         let prepared = still::prepare::<M>(document, plan, self.stage, self.camera)?;
         // Until here a signal simply ends the program: there is nothing to save yet.
         let signal = signals();
-        inform(&prepared.summary(document, plan));
+        args.talk.inform(&prepared.summary(document, plan));
 
         let saver = match self.in_pieces() {
             true => Some(Saver::new(&prepared, document, plan, args.scene.reading(), &args.output)?),
@@ -251,10 +261,9 @@ impl Job<'_> {
             _ => None,
         };
         let mut sums = earlier.unwrap_or_else(|| Accumulation::new(prepared.camera.size, samples));
-        let style = if args.quiet { ProgressArg::None } else { args.progress };
         let [width, height] = sums.size;
         let left = sums.samples.len() as u64 - u64::from(sums.spp());
-        let progress = Progress::new(style, u64::from(width) * u64::from(height) * left, signal.clone());
+        let progress = Progress::new(args.talk.style(), u64::from(width) * u64::from(height) * left, signal.clone());
         match (&saver, args.sampling.checkpoint()) {
             (Some(saver), Some(every)) => saver.accumulate(&mut sums, every, &progress)?,
             _ => prepared.accumulate(plan, &mut sums, &progress)?,
@@ -281,7 +290,7 @@ impl Job<'_> {
         if let Some(path) = &args.stats {
             output::write_text(path, &stats.to_json())?;
         }
-        inform(&stats.summary(&args.output));
+        args.talk.inform(&stats.summary(&args.output));
         if args.sampling.hash {
             print(&format!("{}\n", frame.sha256()))?;
         }
@@ -290,11 +299,7 @@ impl Job<'_> {
 
     /// What `--resume` goes on from, if anything.
     fn earlier<M: Mode>(&self, saver: &Saver<M>, samples: &Range<u32>) -> Result<Option<Accumulation>, Error> {
-        let inform = |line: &str| {
-            if !self.args.quiet {
-                say(line);
-            }
-        };
+        let inform = |line: &str| self.args.talk.inform(line);
         match saver.restore(&saver.checkpoint, samples, inform)? {
             // A part that is done already is not rendered again.
             None if self.target == Target::Part => saver.restore(&self.args.output, samples, inform),
@@ -330,7 +335,34 @@ impl Job<'_> {
     }
 }
 
-impl RenderArgs {
+impl PictureArgs {
+    /// The colour transport that is asked for, or that a pilot finds to be needed.
+    pub fn transport(
+        &self,
+        document: &Document,
+        plan: &StillPlan,
+        stage: &Arc<Stage>,
+        camera: &Camera,
+        talk: &TalkArgs,
+    ) -> Result<Transport, Error> {
+        match self.mode_of(&document.render)? {
+            ModeArg::Rgb => Ok(Transport::Rgb),
+            ModeArg::Spectral => Ok(Transport::Spectral),
+            ModeArg::Auto => {
+                let (transport, reason) = choose_mode(document, plan, stage, camera)?;
+                let name = if transport == Transport::Rgb { "rgb" } else { "spectral" };
+                talk.inform(&format!("mode: {name} ({reason})"));
+                Ok(transport)
+            }
+        }
+    }
+
+    /// The mode that is asked for, in words.
+    pub fn mode_words(&self, hints: &RenderHints) -> String {
+        let asked = self.mode.map(|mode| format!("{mode:?}")).or_else(|| hints.mode.clone());
+        format!("{} {}", asked.unwrap_or_default().to_lowercase(), self.wavelengths)
+    }
+
     fn mode_of(&self, hints: &RenderHints) -> Result<ModeArg, Error> {
         match (self.mode, hints.mode.as_deref()) {
             (Some(mode), _) => Ok(mode),
@@ -341,7 +373,7 @@ impl RenderArgs {
     }
 
     /// What is meant: the command line over the scene's hints over the defaults.
-    fn plan(&self, hints: &RenderHints) -> StillPlan {
+    pub fn plan(&self, hints: &RenderHints) -> StillPlan {
         let size = self.size.unwrap_or(Size { width: hints.width, height: hints.height });
         StillPlan {
             size: [size.width, size.height],
@@ -386,7 +418,7 @@ impl RenderArgs {
 }
 
 /// The number of the signal that asked the program to end, 0 until then. A second one ends it at once.
-fn signals() -> Arc<AtomicUsize> {
+pub fn signals() -> Arc<AtomicUsize> {
     let signal = Arc::new(AtomicUsize::new(0));
     let armed = Arc::new(std::sync::atomic::AtomicBool::new(false));
     for number in [SIGINT, SIGTERM] {

@@ -91,7 +91,7 @@ impl SceneArgs {
         format!("{:?}", LoadOptions { allow_path: Vec::new(), ..self.options() })
     }
 
-    fn options(&self) -> LoadOptions {
+    pub fn options(&self) -> LoadOptions {
         LoadOptions {
             allow_path: self.allow_path.clone(),
             lenient: self.lenient,

@@ -41,6 +41,7 @@ mod primitives;
 mod profile;
 mod sources;
 mod sweep;
+mod targets;
 mod transforms;
 mod vertices;
 mod visual_scene;

@@ -7,17 +7,20 @@
 
 mod animation;
 mod camera;
+mod curve;
 mod light;
 mod material;
 mod node;
+mod pose;
 mod shape;
 mod texture;
 
-pub use animation::{Channel, Interpolation};
+pub use animation::{CameraPart, Channel, EnvironmentPart, FilmPart, Interpolation, MaterialPart, Quantity};
 pub use camera::{Camera, Lens, Projection};
 pub use light::{AreaShape, Environment, Falloff, Light, LightKind, Presence, SpotEdge};
-pub use material::{Base, Distribution, Film, Material, Microfacets, SurfaceEmission, Thickness, Tint};
+pub use material::{Base, Distribution, Film, Material, Microfacets, SurfaceEmission, THICKEST_NM, Thickness, Tint};
 pub use node::{Binding, Item, Node, Transform, TransformKind};
+pub use pose::{Changes, PoseError};
 pub use shape::{Geometry, Group, Mesh, Shape, UvSet};
 pub use texture::{Channel4, Encoding, Image, ImageSource, Map, NormalMap, Scalar, Texture, Wrap};
 
@@ -80,5 +83,20 @@ impl Document {
             }
         }
         placed
+    }
+    /// For each of the [`placements`](Self::placements), whether one of the marked nodes or a node below one is placed there.
+    /// `marked` has one entry per node.
+    pub fn placed_under(&self, marked: &[bool]) -> Vec<bool> {
+        let mut under = Vec::new();
+        let mut stack: Vec<(usize, bool)> = self.roots.iter().rev().map(|&root| (root, false)).collect();
+        while let Some((index, parent)) = stack.pop() {
+            let node = &self.nodes[index];
+            let inside = parent || marked[index];
+            stack.extend(node.children.iter().rev().map(|&child| (child, inside)));
+            if !node.items.is_empty() {
+                under.push(inside);
+            }
+        }
+        under
     }
 }

@@ -8,6 +8,7 @@ mod clock;
 mod edge;
 mod filter;
 mod frame;
+mod noise;
 mod sums;
 mod tile;
 
@@ -29,10 +30,6 @@ use crate::scene::{Camera, Scene};
 use edge::Edges;
 use tile::Tile;
 
-/// Largest number of samples that a pass adds to each pixel. A render stops between tiles: no pixel is then more than this
-/// ahead of another.
-const PASS_SPP: u32 = 16;
-
 /// What to render.
 #[derive(Clone, Copy, Debug)]
 pub struct Plan {
@@ -51,6 +48,11 @@ pub trait Watch: Sync {
     /// Asked before each tile of a pass: true ends the render with the samples it has. Called from render threads; once
     /// true, always true.
     fn stop(&self) -> bool;
+    /// Asked before each pass after the first: samples per pixel that it shall add; 0 ends the render, all pixels having the
+    /// same number.
+    fn pass(&self, so_far: &Accumulation) -> u32 {
+        so_far.usual_pass()
+    }
 }
 
 #[derive(Debug, Error)]
@@ -112,8 +114,11 @@ pub fn accumulate<M: Mode>(
     let total = sums.samples.end - sums.samples.start;
     let mut done = sums.spp();
     while done < total && !watch.stop() {
-        // Small passes first, so that a short render shows something early.
-        done += done.clamp(1, PASS_SPP).min(total - done);
+        let count = if done == 0 { 1 } else { watch.pass(sums).min(total - done) };
+        if count == 0 {
+            break;
+        }
+        done += count;
         let end = sums.samples.start + done;
         sums.tally += pool.install(|| {
             sums.tiles

@@ -1,4 +1,5 @@
-//! Thin films on their own, without a scene to render: what a stack reflects and transmits, as numbers, swatches and plots.
+//! What can be learned besides pictures. Thin films on their own, without a scene to render: what a stack reflects and
+//! transmits, as numbers, swatches and plots. And where the time of a batch went (`report`).
 //!
 //! Wavelengths and thicknesses are in nm, angles in degrees from the normal in the medium that the light comes from.
 
@@ -10,6 +11,7 @@ mod listing;
 mod medium;
 mod number;
 mod plot;
+pub mod report;
 mod spectra;
 mod swatch;
 
