@@ -8,6 +8,7 @@ mod error;
 mod lettering;
 mod listing;
 mod medium;
+pub mod metrics;
 mod number;
 mod plot;
 mod spectra;
