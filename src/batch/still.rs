@@ -8,7 +8,7 @@ use super::stats::{FilmStats, Stats};
 use crate::document::{Document, Shape};
 use crate::error::Error;
 use crate::mode::Mode;
-use crate::output::{self, Format, HeaderValue, Picture, PngDepth, Written};
+use crate::output::{self, Format, HeaderValue, Layer, LayerKind, Picture, PngDepth, Written};
 use crate::render::{self, Frame, Plan, Watch};
 use crate::scene::{BuildError, Camera, FilmOptions, Framing, Placed, Scene, Stage};
 
@@ -25,8 +25,17 @@ pub struct StillPlan {
     pub png_depth: PngDepth,
     /// 32-bit EXR.
     pub float: bool,
+    /// EXR only.
+    pub aovs: Vec<Aov>,
     /// Largest number of bytes for the picture; `None`: what the machine has left.
     pub max_memory: Option<u64>,
+}
+
+/// What a picture holds besides its colour.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Aov {
+    /// `variance.R/G/B`, 32-bit: the variance of each pixel's mean, infinite below two samples.
+    Variance,
 }
 
 /// A scene that is ready to render.
@@ -80,8 +89,9 @@ impl<M: Mode> Prepared<M> {
     /// The opening line of a render.
     pub fn summary(&self, document: &Document, plan: &StillPlan) -> String {
         let [width, height] = self.camera.size;
+        let biased = biased(&plan.render).map(|how| format!(", biased: {how}")).unwrap_or_default();
         format!(
-            "{}: {} triangles, {} materials, {} emitters; {width}x{height}, {} spp, {} bounces",
+            "{}: {} triangles, {} materials, {} emitters; {width}x{height}, {} spp, {} bounces{biased}",
             document.path.display(),
             triangles(document),
             document.materials.len(),
@@ -129,6 +139,7 @@ impl<M: Mode> Prepared<M> {
             samples_per_s: samples / frame.render_s,
             mrays_per_s: rays as f64 * 1e-6 / frame.render_s,
             non_finite: frame.tally.non_finite,
+            clamped_samples: frame.tally.clamped,
             clamped: 0,
             out_of_gamut: 0,
             peak_rss_mb: render::peak_rss_mb(),
@@ -141,9 +152,9 @@ impl<M: Mode> Prepared<M> {
     }
 
     /// The frame with the header that tells how it was made.
-    pub fn picture(&self, frame: &Frame, stats: &Stats) -> Picture {
+    pub fn picture(&self, plan: &StillPlan, frame: &Frame, stats: &Stats) -> Picture {
         let text = |value: &str| HeaderValue::Text(value.to_owned());
-        let header = vec![
+        let mut header = vec![
             ("pellicle/version".to_owned(), text(stats.version)),
             ("pellicle/scene".to_owned(), text(&stats.scene)),
             ("pellicle/sceneHash".to_owned(), text(&stats.scene_sha256)),
@@ -154,9 +165,33 @@ impl<M: Mode> Prepared<M> {
             ("samplesPerPixel".to_owned(), HeaderValue::Int(stats.spp as i32)),
             ("renderTimeSeconds".to_owned(), HeaderValue::Float(stats.render_s as f32)),
         ];
+        if let Some(how) = biased(&plan.render) {
+            header.push(("pellicle/biased".to_owned(), text(&how)));
+        }
         let rgba = frame.rgb.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect();
-        Picture { width: frame.width, height: frame.height, crop: None, rgba, layers: Vec::new(), header }
+        let layers = plan.aovs.iter().flat_map(|aov| aov.layers(frame)).collect();
+        Picture { width: frame.width, height: frame.height, crop: None, rgba, layers, header }
     }
+}
+
+impl Aov {
+    fn layers(self, frame: &Frame) -> Vec<Layer> {
+        match self {
+            Self::Variance => ["variance.R", "variance.G", "variance.B"]
+                .into_iter()
+                .enumerate()
+                .map(|(channel, name)| {
+                    let data = frame.variance.iter().map(|variance| variance[channel]).collect();
+                    Layer { name: name.to_owned(), kind: LayerKind::Float, data }
+                })
+                .collect(),
+        }
+    }
+}
+
+/// How the picture's mean differs from the light's, if it does.
+fn biased(plan: &Plan) -> Option<String> {
+    plan.clamp.map(|limit| format!("samples clamped to {limit}"))
 }
 
 /// Writes the picture in the format that its name asks for, and says how long that took.

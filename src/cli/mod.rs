@@ -1,6 +1,7 @@
 //! The command line. The only room that prints.
 
 mod check;
+mod compare;
 mod film;
 mod progress;
 mod render;
@@ -28,6 +29,7 @@ enum Command {
     Render(render::RenderArgs),
     Check(check::CheckArgs),
     Film(Box<film::FilmArgs>),
+    Compare(compare::CompareArgs),
 }
 
 /// Runs the program: 0 when all is done, else the code that [`Error::exit_code`] documents.
@@ -37,6 +39,7 @@ pub fn main() -> ExitCode {
         Command::Render(args) => render::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Film(args) => film::run(&args),
+        Command::Compare(args) => compare::run(&args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -10,7 +10,7 @@ use signal_hook::consts::{SIGINT, SIGTERM};
 use super::progress::{Progress, ProgressArg};
 use super::say;
 use super::scene_args::{FramingArg, SceneArgs};
-use crate::batch::still::{self, StillPlan};
+use crate::batch::still::{self, Aov, StillPlan};
 use crate::batch::{Transport, choose_mode};
 use crate::document::{Document, RenderHints};
 use crate::error::Error;
@@ -75,6 +75,9 @@ pub struct RenderArgs {
     /// How light is found; `light` and `bsdf` are there to check `mis`
     #[arg(long, value_name = "NAME", value_enum, default_value = "mis")]
     strategy: StrategyArg,
+    /// Scale samples brighter than this down to it, against fireflies; biased, and said so in the picture's header
+    #[arg(long, value_name = "RADIANCE", value_parser = parse_clamp)]
+    clamp: Option<f32>,
     /// Brightness of PNG pictures, in stops [default: the scene's, or 0]
     #[arg(long, value_name = "EV", allow_negative_numbers = true)]
     exposure: Option<f32>,
@@ -84,6 +87,9 @@ pub struct RenderArgs {
     /// Write 32-bit instead of 16-bit floats to EXR
     #[arg(long)]
     float: bool,
+    /// More layers for EXR, with commas between them
+    #[arg(long = "aov", value_name = "LIST", value_enum, value_delimiter = ',')]
+    aovs: Vec<AovArg>,
     /// Most memory for the picture, like `8G` or `500M` [default: what the machine has left]
     #[arg(long, value_name = "SIZE", value_parser = parse_bytes)]
     max_memory: Option<u64>,
@@ -132,6 +138,12 @@ enum StrategyArg {
     Bsdf,
 }
 
+#[derive(Clone, Copy, ValueEnum)]
+enum AovArg {
+    /// Variance of each pixel's mean (variance.R, variance.G, variance.B)
+    Variance,
+}
+
 #[derive(Clone, Copy)]
 struct Size {
     width: Option<u32>,
@@ -153,6 +165,13 @@ fn parse_size(text: &str) -> Result<Size, String> {
     }
 }
 
+fn parse_clamp(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(limit) if limit.is_finite() && limit > 0.0 => Ok(limit),
+        _ => Err("give a radiance above 0, in the scene's units, like 10".to_owned()),
+    }
+}
+
 /// Bytes, or with the letters k, M, G, T the powers of 1000.
 fn parse_bytes(text: &str) -> Result<u64, String> {
     let letters = ["k", "M", "G", "T"];
@@ -170,6 +189,10 @@ pub fn run(args: &RenderArgs) -> Result<(), Error> {
     };
     // Find out now, not after hours, whether the results can be written.
     let format = output::check_picture(&args.output)?;
+    if format != Format::Exr && !args.aovs.is_empty() {
+        let problem = format!("{}: PNG has no room for the layers of --aov", args.output.display());
+        return Err(Error::Usage(format!("{problem}; write .exr")));
+    }
     if let Some(stats) = &args.stats {
         output::check_writable(stats)?;
     }
@@ -243,7 +266,7 @@ impl Job<'_> {
             return stopped;
         }
         let mut stats = prepared.stats(document, plan, &frame, self.parse_s);
-        let picture = prepared.picture(&frame, &stats);
+        let picture = prepared.picture(plan, &frame, &stats);
         let (written, write_s) = still::write(&args.output, self.format, &picture, plan)?;
         stats.finish(&written, write_s);
         if let Some(path) = &args.stats {
@@ -307,10 +330,12 @@ impl RenderArgs {
                         StrategyArg::Bsdf => Strategy::Bsdf,
                     },
                 },
+                clamp: self.clamp,
             },
             exposure_ev: self.exposure.or(hints.exposure_ev).unwrap_or(0.0),
             png_depth: if self.png_depth == "16" { PngDepth::Sixteen } else { PngDepth::Eight },
             float: self.float,
+            aovs: self.aovs.iter().map(|AovArg::Variance| Aov::Variance).collect(),
             max_memory: self.max_memory,
         }
     }

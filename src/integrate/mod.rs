@@ -33,6 +33,8 @@ pub struct Tally {
     pub shadow_rays: u64,
     /// Samples whose radiance was not a number or infinite; they count as black.
     pub non_finite: u64,
+    /// Samples that were brighter than the render allows.
+    pub clamped: u64,
 }
 
 impl AddAssign for Tally {
@@ -40,6 +42,7 @@ impl AddAssign for Tally {
         self.rays += other.rays;
         self.shadow_rays += other.shadow_rays;
         self.non_finite += other.non_finite;
+        self.clamped += other.clamped;
     }
 }
 

@@ -34,6 +34,8 @@ pub struct Plan {
     pub threads: usize,
     pub filter: Filter,
     pub limits: PathLimits,
+    /// Largest channel of one sample, linear sRGB; brighter ones are scaled down to it, which loses light. `None`: unbiased.
+    pub clamp: Option<f32>,
 }
 
 /// Told of progress; may stop the render.
@@ -153,7 +155,12 @@ fn render_sample<M: Mode>(
     let ray = camera.ray(position, [lens_x, lens_y]);
     let light = radiance(scene, ray, &mut waves, &mut sampler, &plan.limits, tally);
     if light.is_finite() {
-        pixel.add(M::to_rgb(light, &waves, &scene.stage.sensor));
+        let mut rgb = M::to_rgb(light, &waves, &scene.stage.sensor);
+        if let Some(limit) = plan.clamp.filter(|&limit| rgb.abs().max_element() > limit) {
+            rgb *= limit / rgb.abs().max_element();
+            tally.clamped += 1;
+        }
+        pixel.add(rgb);
     } else {
         tally.non_finite += 1;
     }

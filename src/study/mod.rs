@@ -2,9 +2,12 @@
 //!
 //! Wavelengths and thicknesses are in nm, angles in degrees from the normal in the medium that the light comes from.
 
+mod canvas;
 mod coating;
 mod colours;
+mod comparison;
 mod error;
+mod error_map;
 mod lettering;
 mod listing;
 mod medium;
@@ -16,7 +19,9 @@ mod swatch;
 
 pub use coating::Coating;
 pub use colours::{colour_csv, colour_rows};
+pub use comparison::Comparison;
 pub use error::StudyError;
+pub use error_map::{error_map, scale_of};
 pub use listing::list_indices;
 pub use medium::Medium;
 pub use plot::{MOST_CURVES, PLOT_SIZE, plot};
