@@ -175,17 +175,23 @@ impl<M: Mode> Prepared<M> {
 }
 
 impl Aov {
-    fn layers(self, frame: &Frame) -> Vec<Layer> {
+    /// The names of its channels.
+    pub fn channels(self) -> [&'static str; 3] {
         match self {
-            Self::Variance => ["variance.R", "variance.G", "variance.B"]
-                .into_iter()
-                .enumerate()
-                .map(|(channel, name)| {
-                    let data = frame.variance.iter().map(|variance| variance[channel]).collect();
-                    Layer { name: name.to_owned(), kind: LayerKind::Float, data }
-                })
-                .collect(),
+            Self::Variance => ["variance.R", "variance.G", "variance.B"],
         }
+    }
+
+    fn layers(self, frame: &Frame) -> [Layer; 3] {
+        let values = match self {
+            Self::Variance => &frame.variance,
+        };
+        let layer = |channel: usize| Layer {
+            name: self.channels()[channel].to_owned(),
+            kind: LayerKind::Float,
+            data: values.iter().map(|value| value[channel]).collect(),
+        };
+        std::array::from_fn(layer)
     }
 }
 

@@ -1,11 +1,13 @@
 //! The command line. The only room that prints.
 
+mod chart;
 mod check;
 mod compare;
 mod film;
 mod progress;
 mod render;
 mod scene_args;
+mod stack_args;
 
 use std::io::Write;
 use std::process::ExitCode;
@@ -30,6 +32,7 @@ enum Command {
     Check(check::CheckArgs),
     Film(Box<film::FilmArgs>),
     Compare(compare::CompareArgs),
+    Chart(Box<chart::ChartArgs>),
 }
 
 /// Runs the program: 0 when all is done, else the code that [`Error::exit_code`] documents.
@@ -39,6 +42,7 @@ pub fn main() -> ExitCode {
         Command::Render(args) => render::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Film(args) => film::run(&args),
+        Command::Chart(args) => chart::run(&args),
         Command::Compare(args) => compare::run(&args),
     };
     match result {

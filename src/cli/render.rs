@@ -297,6 +297,13 @@ impl RenderArgs {
         }
     }
 
+    /// Each once.
+    fn aovs(&self) -> Vec<Aov> {
+        let mut aovs: Vec<Aov> = self.aovs.iter().map(|AovArg::Variance| Aov::Variance).collect();
+        aovs.dedup();
+        aovs
+    }
+
     /// What is meant: the command line over the scene's hints over the defaults.
     fn plan(&self, hints: &RenderHints) -> StillPlan {
         let size = self.size.unwrap_or(Size { width: hints.width, height: hints.height });
@@ -335,7 +342,7 @@ impl RenderArgs {
             exposure_ev: self.exposure.or(hints.exposure_ev).unwrap_or(0.0),
             png_depth: if self.png_depth == "16" { PngDepth::Sixteen } else { PngDepth::Eight },
             float: self.float,
-            aovs: self.aovs.iter().map(|AovArg::Variance| Aov::Variance).collect(),
+            aovs: self.aovs(),
             max_memory: self.max_memory,
         }
     }

@@ -1,5 +1,6 @@
 //! A picture as the metrics see it.
 
+use crate::batch::still::Aov;
 use crate::output::Picture;
 use crate::render::Frame;
 
@@ -13,13 +14,10 @@ pub struct Image {
     pub variance: Option<Vec<[f64; 3]>>,
 }
 
-/// The channels that hold the variance of the mean.
-pub(in crate::study) const VARIANCE: [&str; 3] = ["variance.R", "variance.G", "variance.B"];
-
 impl From<&Picture> for Image {
     fn from(picture: &Picture) -> Self {
         let layer = |name: &str| picture.layers.iter().find(|layer| layer.name == name).map(|layer| &layer.data);
-        let variance = match VARIANCE.map(layer) {
+        let variance = match Aov::Variance.channels().map(layer) {
             [Some(r), Some(g), Some(b)] => {
                 Some(r.iter().zip(g).zip(b).map(|((&r, &g), &b)| [r, g, b].map(f64::from)).collect())
             }
