@@ -13,6 +13,7 @@ use crate::render::{self, Frame, Plan, Watch};
 use crate::scene::{BuildError, Camera, FilmOptions, Framing, Placed, Scene, Stage};
 
 /// What is to be made, with every default filled in.
+#[derive(Clone)]
 pub struct StillPlan {
     pub size: [Option<u32>; 2],
     /// Camera or node id; `None`: the first.

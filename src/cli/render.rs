@@ -32,7 +32,7 @@ use crate::scene::{Camera, FilmOptions, Stage};
   pellicle render scene.dae -o quick.png --spp 8 --exposure 1")]
 pub struct RenderArgs {
     #[command(flatten)]
-    scene: SceneArgs,
+    pub(super) scene: SceneArgs,
     /// Where to write the picture: .exr or .png
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
@@ -77,7 +77,7 @@ pub struct RenderArgs {
     strategy: StrategyArg,
     /// Scale samples brighter than this down to it, against fireflies; biased, and said so in the picture's header
     #[arg(long, value_name = "RADIANCE", value_parser = parse_clamp)]
-    clamp: Option<f32>,
+    pub(super) clamp: Option<f32>,
     /// Brightness of PNG pictures, in stops [default: the scene's, or 0]
     #[arg(long, value_name = "EV", allow_negative_numbers = true)]
     exposure: Option<f32>,
@@ -145,12 +145,12 @@ enum AovArg {
 }
 
 #[derive(Clone, Copy)]
-struct Size {
-    width: Option<u32>,
-    height: Option<u32>,
+pub struct Size {
+    pub(super) width: Option<u32>,
+    pub(super) height: Option<u32>,
 }
 
-fn parse_size(text: &str) -> Result<Size, String> {
+pub(super) fn parse_size(text: &str) -> Result<Size, String> {
     let (width, height) = text.split_once(['x', 'X']).ok_or("write it as WIDTHxHEIGHT, like 1920x1080")?;
     let side = |digits: &str| match digits {
         "" => Ok(None),
@@ -211,21 +211,16 @@ pub fn run(args: &RenderArgs) -> Result<(), Error> {
     for note in &notes {
         inform(note);
     }
-    let transport = match args.mode_of(&document.render)? {
-        ModeArg::Rgb => Transport::Rgb,
-        ModeArg::Spectral => Transport::Spectral,
-        ModeArg::Auto => {
-            let (transport, reason) = choose_mode(&document, &plan, &stage, &camera)?;
-            let name = if transport == Transport::Rgb { "rgb" } else { "spectral" };
-            inform(&format!("mode: {name} ({reason})"));
-            transport
-        }
-    };
+    let (transport, reason) = args.transport(&document, &plan, &stage, &camera)?;
+    if let Some(reason) = reason {
+        let name = if transport == Transport::Rgb { "rgb" } else { "spectral" };
+        inform(&format!("mode: {name} ({reason})"));
+    }
     let job = Job { args, document: &document, plan: &plan, stage: &stage, camera: &camera, format, parse_s };
-    match (transport, args.wavelengths.as_str()) {
+    match (transport, args.wavelengths()) {
         (Transport::Rgb, _) => job.render::<Rgb>(),
-        (Transport::Spectral, "4") => job.render::<Spectral<4>>(),
-        (Transport::Spectral, "16") => job.render::<Spectral<16>>(),
+        (Transport::Spectral, 4) => job.render::<Spectral<4>>(),
+        (Transport::Spectral, 16) => job.render::<Spectral<16>>(),
         (Transport::Spectral, _) => job.render::<Spectral<8>>(),
     }
 }
@@ -288,6 +283,34 @@ fn stopped(signal: &AtomicUsize, frame: &Frame, plan: &StillPlan) -> Result<(), 
 }
 
 impl RenderArgs {
+    /// Whether another render reads and views its scene alike.
+    pub(super) fn sees_like(&self, other: &Self) -> bool {
+        (&self.scene, &self.camera, self.framing) == (&other.scene, &other.camera, other.framing)
+    }
+
+    pub(super) fn wavelengths(&self) -> usize {
+        // Clap lets no other values through.
+        self.wavelengths.parse().unwrap_or(8)
+    }
+
+    /// What the mode means for this scene, with the reason where it was chosen by measurement.
+    pub(super) fn transport(
+        &self,
+        document: &Document,
+        plan: &StillPlan,
+        stage: &Arc<Stage>,
+        camera: &Camera,
+    ) -> Result<(Transport, Option<String>), Error> {
+        Ok(match self.mode_of(&document.render)? {
+            ModeArg::Rgb => (Transport::Rgb, None),
+            ModeArg::Spectral => (Transport::Spectral, None),
+            ModeArg::Auto => {
+                let (transport, reason) = choose_mode(document, plan, stage, camera)?;
+                (transport, Some(reason))
+            }
+        })
+    }
+
     fn mode_of(&self, hints: &RenderHints) -> Result<ModeArg, Error> {
         match (self.mode, hints.mode.as_deref()) {
             (Some(mode), _) => Ok(mode),
@@ -305,7 +328,7 @@ impl RenderArgs {
     }
 
     /// What is meant: the command line over the scene's hints over the defaults.
-    fn plan(&self, hints: &RenderHints) -> StillPlan {
+    pub(super) fn plan(&self, hints: &RenderHints) -> StillPlan {
         let size = self.size.unwrap_or(Size { width: hints.width, height: hints.height });
         StillPlan {
             size: [size.width, size.height],

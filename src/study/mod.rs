@@ -6,6 +6,7 @@ mod canvas;
 mod coating;
 mod colours;
 mod comparison;
+pub mod convergence;
 mod decades;
 mod error;
 mod error_map;

@@ -1,5 +1,6 @@
 //! `pellicle chart`: error against time.
 
+mod convergence;
 mod films;
 
 use std::path::Path;
@@ -22,11 +23,13 @@ pub struct ChartArgs {
 #[derive(Subcommand)]
 enum ChartCommand {
     Films(films::FilmsArgs),
+    Convergence(convergence::ConvergenceArgs),
 }
 
 pub fn run(args: &ChartArgs) -> Result<(), Error> {
     match &args.chart {
         ChartCommand::Films(args) => films::run(args),
+        ChartCommand::Convergence(args) => convergence::run(args),
     }
 }
 
