@@ -8,7 +8,7 @@ mod filter;
 mod frame;
 mod tile;
 
-pub use clock::{available_memory, cpu_seconds, peak_rss_mb};
+pub use clock::{CpuClock, available_memory, peak_rss_mb};
 pub use filter::Filter;
 pub use frame::Frame;
 use glam::Vec2;
@@ -85,7 +85,7 @@ pub fn render<M: Mode>(
         .map_err(|e| RenderError::Threads { threads: plan.threads, reason: e.to_string() })?;
     let mut tiles = Tile::grid(camera.size);
     let clock = std::time::Instant::now();
-    let cpu_start = cpu_seconds();
+    let cpu_clock = CpuClock::start();
     let mut tally = Tally::default();
     let mut done = 0;
     while done < plan.spp {
@@ -114,7 +114,7 @@ pub fn render<M: Mode>(
         }
     }
     let render_s = clock.elapsed().as_secs_f64();
-    let render_cpu_s = cpu_seconds() - cpu_start;
+    let render_cpu_s = cpu_clock.seconds();
     Ok(Frame::resolve(camera.size, tiles, tally, pool.current_num_threads(), render_s, render_cpu_s))
 }
 

@@ -113,7 +113,8 @@ impl DrawingBackend for Brush<'_> {
         let dy = match anchor.v_pos {
             VPos::Top => 0,
             VPos::Center => -height / 2,
-            VPos::Bottom => -height,
+            // Off the line that it stands on.
+            VPos::Bottom => -height - 3,
         };
         let transform = style.transform();
         for (u, v) in lettering::pixels(text) {

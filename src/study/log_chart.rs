@@ -42,7 +42,7 @@ pub(super) struct Chart {
     pub panels: Vec<Panel>,
 }
 
-const PANEL: [u32; 2] = [460, 380];
+const PANEL: [u32; 2] = [480, 380];
 const TITLE: u32 = 44;
 /// Pixels between the rows of the legend, and of a letter of the widest font.
 const LEGEND_ROW: i32 = 24;
@@ -127,12 +127,12 @@ impl Panel {
         let xs = Decades::around(points().map(|(x, _)| x.at));
         let ys = Decades::around(points().map(|(_, y)| y.at).chain(self.floor));
         let [left, right] = xs.ends();
-        area.draw(&Text::new(self.title.as_str(), (86, 6), ("sans-serif", 15))).map_err(StudyError::drawing)?;
+        area.draw(&Text::new(self.title.as_str(), (112, 6), ("sans-serif", 15))).map_err(StudyError::drawing)?;
         let mut axes = ChartBuilder::on(area)
             .margin(12)
             .margin_top(30)
             .x_label_area_size(50)
-            .y_label_area_size(84)
+            .y_label_area_size(100)
             .build_cartesian_2d(xs, ys)
             .map_err(StudyError::drawing)?;
         let mut mesh = axes.configure_mesh();

@@ -7,6 +7,7 @@ use super::reference::Reference;
 use crate::output::Picture;
 use crate::study::error::StudyError;
 use crate::study::log_chart::{Chart, Panel, Series, Value};
+use crate::study::metrics::{Image, Spread, delta_e_map, squared_errors};
 use crate::study::number::ten_digits;
 
 /// A reference is converged enough where what is measured is at least this many times its own error.
@@ -95,14 +96,34 @@ impl Report<'_> {
         csv
     }
 
+    /// How far another mean is from the first reference: what its colour model gets wrong.
+    fn colour_of(&self, reference: &Reference) -> String {
+        let Some((_, first)) = self.contest.references.first() else { return String::new() };
+        let noise = |image: &Image, i: usize| image.variance.as_ref().map_or([0.0; 3], |variance| variance[i]);
+        let both = |i: usize| {
+            let (a, b) = (noise(&reference.image, i), noise(&first.image, i));
+            std::array::from_fn(|c| a[c] + b[c])
+        };
+        let both: Vec<[f64; 3]> = (0..first.image.rgb.len()).map(both).collect();
+        let squared = squared_errors(&reference.image, &first.image, Some(&both));
+        let [shown, wanted] = [&reference.image, &first.image].map(|image| self.contest.exposure.show(image));
+        let Spread { mean, p99, max } = Spread::of(&delta_e_map(&shown, &wanted));
+        let label = &first.label;
+        let errors = format!("relMSE {:.1e}, dE mean {mean:.3}, 99 % within {p99:.2}, worst {max:.2}", squared.rel_mse);
+        format!("against {label}: {errors} (dE with the noise of both)")
+    }
+
     /// One line per contender at its most samples, and the references with their own errors.
     pub fn table(&self) -> String {
         let mut text = String::new();
         let [width, height] = self.contest.setting.camera.size;
         let seconds = if self.clock == Clock::Cpu { "CPU seconds / threads" } else { "wall seconds" };
         let _ = writeln!(text, "{width}x{height}, {} repeats, s = {seconds}", self.contest.repeats);
-        for (_, reference) in &self.contest.references {
+        for (i, (_, reference)) in self.contest.references.iter().enumerate() {
             let _ = writeln!(text, "reference {}", described(reference));
+            if i > 0 {
+                let _ = writeln!(text, "  {}", self.colour_of(reference));
+            }
         }
         let colour = self.contest.references.first().map_or("", |(_, reference)| &reference.label);
         let width = self.contest.contenders.iter().map(|c| c.name.chars().count()).max().unwrap_or(0).max(13);
@@ -202,7 +223,7 @@ impl Report<'_> {
             columns: 2,
             names: self.contest.contenders.iter().map(|contender| contender.name.clone()).collect(),
             panels: vec![
-                panel("noise: MSE, against the own mode".to_owned(), "MSE", Some(own), |step| step.noise_mse),
+                panel("noise: MSE, against own mode".to_owned(), "MSE", Some(own), |step| step.noise_mse),
                 panel(against("relMSE"), "relMSE", squared.map(|errors| errors.rel_mse), |step| Some(step.rel_mse)),
                 panel(against("mean CIEDE2000"), "CIEDE2000", seen.map(|seen| seen[0]), |step| Some(step.delta_e)),
                 panel(against("mean FLIP"), "FLIP", seen.map(|seen| seen[1]), |step| Some(step.flip)),
