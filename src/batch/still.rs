@@ -35,7 +35,8 @@ pub struct StillPlan {
 /// What a picture holds besides its colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Aov {
-    /// `variance.R/G/B`, 32-bit: the variance of each pixel's mean, infinite below two samples.
+    /// `variance.R/G/B`, 32-bit: the variance of each pixel's mean, as if its samples were independent (they are stratified,
+    /// which makes the true one smaller); infinite below two samples.
     Variance,
 }
 

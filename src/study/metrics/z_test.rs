@@ -12,7 +12,8 @@ pub const MOST_OUTLIERS: f64 = 0.0025;
 /// Differences below this share of the larger value are rounding of the file, not noise.
 const ROUNDING: f64 = 2e-3;
 
-/// What was found. `p` values are two-sided.
+/// What was found. `p` values are two-sided. Our own files state the variance of independent samples, more than what
+/// stratified ones have: the test then errs on the side of "same".
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ZTest {
     /// Significance of the whole test, and of one value after Sidak's correction.
