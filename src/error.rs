@@ -25,6 +25,9 @@ pub enum Error {
     /// What was asked for makes no sense together, or with this scene.
     #[error("{0}")]
     Usage(String),
+    /// A limit that the user set is exceeded.
+    #[error("{0}")]
+    Beyond(String),
     /// Stopped by a signal. Unless `done` is 0, what was rendered has been written.
     #[error("stopped by {name} {}", progress(*done, *wanted))]
     Interrupted { signal: i32, name: &'static str, done: u32, wanted: u32 },
@@ -47,12 +50,12 @@ fn progress(done: u32, wanted: u32) -> String {
 }
 
 impl Error {
-    /// 1 scene, render or input error or failed frames, 2 usage, 3 output, 75 (EX_TEMPFAIL) stopped with something to go on
-    /// from, 128 + n stopped by signal n.
+    /// 1 scene, render or input error, failed frames or beyond a limit, 2 usage, 3 output, 75 (EX_TEMPFAIL) stopped with
+    /// something to go on from, 128 + n stopped by signal n.
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Scene(_) | Self::Build { .. } | Self::Pose(_) | Self::Render(_) | Self::Frames { .. } => 1,
-            Self::Output(OutputError::Damaged { .. }) => 1,
+            Self::Scene(_) | Self::Build { .. } | Self::Pose(_) | Self::Render(_) => 1,
+            Self::Output(OutputError::Damaged { .. }) | Self::Frames { .. } | Self::Beyond(_) => 1,
             Self::Usage(_) => 2,
             Self::Output(_) => 3,
             Self::Suspended { .. } | Self::Paused { .. } => 75,

@@ -180,7 +180,7 @@ impl<M: Mode> Sequence<M> {
         let loading = self.loading.take();
         let parse_s = loading.map_or(0.0, |loading| loading.parse_s);
         let mut stats = self.prepared.stats(&self.document, &still, &image, parse_s);
-        let mut picture = still::picture(&image, self.prepared.header(&self.document, &still));
+        let mut picture = still::picture(&image, &still.aovs, self.prepared.header(&self.document, &still));
         picture.header.push((output::SETTINGS.to_owned(), HeaderValue::Text(self.plan.settings.clone())));
         picture.header.push(("imageCounter".to_owned(), HeaderValue::Int(frame as i32)));
         let (written, write_s) = still::write(path, self.plan.format, &picture, still.look)?;

@@ -2,7 +2,9 @@
 
 mod animate;
 mod batch_progress;
+mod chart;
 mod check;
+mod compare;
 mod encode;
 mod film;
 mod merge;
@@ -11,6 +13,7 @@ mod render;
 mod sampling;
 mod scene_args;
 mod sequence;
+mod stack_args;
 mod turntable;
 
 use std::io::Write;
@@ -39,6 +42,8 @@ enum Command {
     Film(Box<film::FilmArgs>),
     Merge(merge::MergeArgs),
     Encode(encode::EncodeArgs),
+    Compare(compare::CompareArgs),
+    Chart(Box<chart::ChartArgs>),
 }
 
 /// Runs the program: 0 when all is done, else the code that [`Error::exit_code`] documents.
@@ -52,6 +57,8 @@ pub fn main() -> ExitCode {
         Command::Film(args) => film::run(&args),
         Command::Merge(args) => merge::run(&args),
         Command::Encode(args) => encode::run(&args),
+        Command::Chart(args) => chart::run(&args),
+        Command::Compare(args) => compare::run(&args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

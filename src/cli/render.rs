@@ -1,7 +1,7 @@
 //! `pellicle render`: one picture.
 
 use std::ops::Range;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -13,7 +13,7 @@ use super::sampling::{SamplingArgs, Target};
 use super::scene_args::{FramingArg, SceneArgs};
 use super::{print, say};
 use crate::batch::checkpoint::Saver;
-use crate::batch::still::{self, Look, StillPlan};
+use crate::batch::still::{self, Aov, Look, StillPlan};
 use crate::batch::{Transport, choose_mode};
 use crate::collada::Warning;
 use crate::document::{Document, RenderHints};
@@ -21,7 +21,7 @@ use crate::error::Error;
 use crate::film::Rung;
 use crate::integrate::{PathLimits, Strategy};
 use crate::mode::{Mode, Rgb, Spectral};
-use crate::output::{self, PngDepth};
+use crate::output::{self, Format, PngDepth};
 use crate::render::{Accumulation, Filter, Plan};
 use crate::scene::{Camera, FilmOptions, Stage};
 
@@ -36,19 +36,19 @@ use crate::scene::{Camera, FilmOptions, Stage};
   pellicle render scene.dae -o quick.png --spp 8 --exposure 1")]
 pub struct RenderArgs {
     #[command(flatten)]
-    scene: SceneArgs,
+    pub(super) scene: SceneArgs,
     /// Where to write the picture: .exr or .png
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     #[command(flatten)]
-    picture: PictureArgs,
+    pub(super) picture: PictureArgs,
     #[command(flatten)]
     sampling: SamplingArgs,
     /// Write timings, counts and settings as JSON
     #[arg(long, value_name = "FILE")]
     stats: Option<PathBuf>,
     #[command(flatten)]
-    talk: TalkArgs,
+    pub(super) talk: TalkArgs,
 }
 
 /// How pictures are made: shared by every subcommand that renders.
@@ -93,6 +93,9 @@ pub struct PictureArgs {
     /// How light is found; the others are there to check `shared`
     #[arg(long, value_name = "NAME", value_enum, default_value = "shared")]
     strategy: StrategyArg,
+    /// Scale samples brighter than this down to it, against fireflies; biased, and said so in the picture's header
+    #[arg(long, value_name = "RADIANCE", value_parser = parse_clamp)]
+    pub(super) clamp: Option<f32>,
     /// Brightness of PNG pictures, in stops [default: the scene's, or 0]
     #[arg(long, value_name = "EV", allow_negative_numbers = true)]
     exposure: Option<f32>,
@@ -102,6 +105,9 @@ pub struct PictureArgs {
     /// Write 32-bit instead of 16-bit floats to EXR
     #[arg(long)]
     float: bool,
+    /// More layers for EXR, with commas between them
+    #[arg(long = "aov", value_name = "LIST", value_enum, value_delimiter = ',')]
+    aovs: Vec<AovArg>,
     /// Most memory for the picture, like `8G` or `500M` [default: what the machine has left]
     #[arg(long, value_name = "SIZE", value_parser = parse_bytes)]
     max_memory: Option<u64>,
@@ -175,13 +181,19 @@ enum StrategyArg {
     Bsdf,
 }
 
-#[derive(Clone, Copy)]
-struct Size {
-    width: Option<u32>,
-    height: Option<u32>,
+#[derive(Clone, Copy, ValueEnum)]
+pub(super) enum AovArg {
+    /// Variance of each pixel's mean (variance.R, variance.G, variance.B)
+    Variance,
 }
 
-fn parse_size(text: &str) -> Result<Size, String> {
+#[derive(Clone, Copy)]
+pub struct Size {
+    pub(super) width: Option<u32>,
+    pub(super) height: Option<u32>,
+}
+
+pub(super) fn parse_size(text: &str) -> Result<Size, String> {
     let (width, height) = text.split_once(['x', 'X']).ok_or("write it as WIDTHxHEIGHT, like 1920x1080")?;
     let side = |digits: &str| match digits {
         "" => Ok(None),
@@ -196,6 +208,13 @@ fn parse_size(text: &str) -> Result<Size, String> {
     }
 }
 
+fn parse_clamp(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(limit) if limit.is_finite() && limit > 0.0 => Ok(limit),
+        _ => Err("give a radiance above 0, in the scene's units, like 10".to_owned()),
+    }
+}
+
 /// Bytes, or with the letters k, M, G, T the powers of 1000.
 fn parse_bytes(text: &str) -> Result<u64, String> {
     let letters = ["k", "M", "G", "T"];
@@ -205,9 +224,28 @@ fn parse_bytes(text: &str) -> Result<u64, String> {
     bytes.ok_or_else(|| "write it as a whole number of bytes, or like `500M` or `8G`".to_owned())
 }
 
+/// Each once.
+pub(super) fn aovs(args: &[AovArg]) -> Vec<Aov> {
+    let mut aovs: Vec<Aov> = args.iter().map(|AovArg::Variance| Aov::Variance).collect();
+    aovs.dedup();
+    aovs
+}
+
+/// PNG cannot hold what EXR can.
+pub(super) fn check_aovs(output: &Path, format: Format, aovs: &[AovArg]) -> Result<(), Error> {
+    if format == Format::Exr || aovs.is_empty() {
+        return Ok(());
+    }
+    let problem = format!("{}: PNG has no room for the layers of --aov", output.display());
+    Err(Error::Usage(format!("{problem}; write .exr")))
+}
+
 pub fn run(args: &RenderArgs) -> Result<(), Error> {
     // Find out now, not after hours, whether the results can be written.
     let target = args.sampling.target(&args.output)?;
+    if let Target::Picture(format) = target {
+        check_aovs(&args.output, format, &args.picture.aovs)?;
+    }
     if let Some(stats) = &args.stats {
         output::check_writable(stats)?;
     }
@@ -224,10 +262,10 @@ pub fn run(args: &RenderArgs) -> Result<(), Error> {
     }
     let transport = args.picture.transport(&document, &plan, &stage, &camera, &args.talk)?;
     let job = Job { args, document: &document, plan: &plan, stage: &stage, camera: &camera, target, parse_s };
-    match (transport, args.picture.wavelengths.as_str()) {
+    match (transport, args.picture.wavelengths()) {
         (Transport::Rgb, _) => job.render::<Rgb>(),
-        (Transport::Spectral, "4") => job.render::<Spectral<4>>(),
-        (Transport::Spectral, "16") => job.render::<Spectral<16>>(),
+        (Transport::Spectral, 4) => job.render::<Spectral<4>>(),
+        (Transport::Spectral, 16) => job.render::<Spectral<16>>(),
         (Transport::Spectral, _) => job.render::<Spectral<8>>(),
     }
 }
@@ -280,7 +318,7 @@ impl Job<'_> {
         let frame = sums.into_frame();
         let mut stats = prepared.stats(document, plan, &frame, self.parse_s);
         if let Target::Picture(format) = self.target {
-            let picture = still::picture(&frame, prepared.header(document, plan));
+            let picture = still::picture(&frame, &plan.aovs, prepared.header(document, plan));
             let (written, write_s) = still::write(&args.output, format, &picture, plan.look)?;
             stats.finish(&written, write_s);
         }
@@ -335,7 +373,20 @@ impl Job<'_> {
     }
 }
 
+impl RenderArgs {
+    /// Whether another render reads and views its scene alike.
+    pub(super) fn sees_like(&self, other: &Self) -> bool {
+        let (a, b) = (&self.picture, &other.picture);
+        (&self.scene, &a.camera, a.framing) == (&other.scene, &b.camera, b.framing)
+    }
+}
+
 impl PictureArgs {
+    pub fn wavelengths(&self) -> usize {
+        // Clap lets no other values through.
+        self.wavelengths.parse().unwrap_or(8)
+    }
+
     /// The colour transport that is asked for, or that a pilot finds to be needed.
     pub fn transport(
         &self,
@@ -406,12 +457,14 @@ impl PictureArgs {
                         StrategyArg::Bsdf => Strategy::Bsdf,
                     },
                 },
+                clamp: self.clamp,
             },
             look: Look {
                 exposure_ev: self.exposure.or(hints.exposure_ev).unwrap_or(0.0),
                 png_depth: if self.png_depth == "16" { PngDepth::Sixteen } else { PngDepth::Eight },
                 float: self.float,
             },
+            aovs: aovs(&self.aovs),
             max_memory: self.max_memory,
         }
     }

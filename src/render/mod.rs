@@ -14,7 +14,7 @@ mod tile;
 
 pub use accumulation::{Accumulation, Block};
 use arrayvec::ArrayVec;
-pub use clock::{available_memory, cpu_seconds, peak_rss_mb};
+pub use clock::{CpuClock, available_memory, peak_rss_mb};
 pub use filter::Filter;
 pub use frame::Frame;
 use glam::Vec2;
@@ -39,6 +39,8 @@ pub struct Plan {
     pub threads: usize,
     pub filter: Filter,
     pub limits: PathLimits,
+    /// Largest channel of one sample, linear sRGB; brighter ones are scaled down to it, which loses light. `None`: unbiased.
+    pub clamp: Option<f32>,
 }
 
 /// Told of progress; may stop the render.
@@ -110,7 +112,7 @@ pub fn accumulate<M: Mode>(
         .map_err(|e| RenderError::Threads { threads: plan.threads, reason: e.to_string() })?;
     sums.threads = pool.current_num_threads();
     let clock = std::time::Instant::now();
-    let cpu_start = cpu_seconds();
+    let cpu_clock = CpuClock::start();
     let total = sums.samples.end - sums.samples.start;
     let mut done = sums.spp();
     while done < total && !watch.stop() {
@@ -139,7 +141,7 @@ pub fn accumulate<M: Mode>(
         });
     }
     sums.render_s += clock.elapsed().as_secs_f64();
-    sums.render_cpu_s += cpu_seconds() - cpu_start;
+    sums.render_cpu_s += cpu_clock.seconds();
     Ok(())
 }
 
@@ -209,7 +211,11 @@ fn render_group<M: Mode>(
     }
     for (path, sum) in paths.iter().zip(sums) {
         if path.radiance.is_finite() {
-            let rgb = M::to_rgb(path.radiance, &path.waves, &scene.stage.sensor);
+            let mut rgb = M::to_rgb(path.radiance, &path.waves, &scene.stage.sensor);
+            if let Some(limit) = plan.clamp.filter(|&limit| rgb.abs().max_element() > limit) {
+                rgb *= limit / rgb.abs().max_element();
+                tally.clamped += 1;
+            }
             tally.beyond_range += u64::from(!sum.add(rgb));
         } else {
             tally.non_finite += 1;
