@@ -1,7 +1,7 @@
 //! Every BSDF: what `sample` draws has the density that `eval` states, its weight is value over density, energy is kept,
 //! and light may be turned around.
 
-mod case;
+pub mod case;
 mod furnace;
 
 use glam::Vec3;

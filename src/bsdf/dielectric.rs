@@ -5,9 +5,9 @@
 
 use glam::Vec3;
 
+use super::multiple::{broad_pdf, square_to_broad};
 use super::{BsdfSample, Coat, Microfacets, Multiple, Pdf, lobe_probability};
 use crate::film::{Side, Split};
-use crate::math::warp::{cosine_hemisphere_pdf, square_to_cosine_hemisphere};
 use crate::mode::{Lanes, Mode};
 
 pub struct Dielectric<'s, M: Mode> {
@@ -30,8 +30,8 @@ struct Shares<L> {
     broadly: f32,
 }
 
-/// Indices closer to 1 than this bend light by less than f32 directions resolve.
-const STRAIGHT: f32 = 1e-4;
+/// Indices closer to 1 than this bend light by less than a twentieth of a degree, and leave half vectors without digits.
+const STRAIGHT: f32 = 1e-3;
 
 /// True for a body that lets light go on as if it were not there.
 pub fn is_straight(eta: f32) -> bool {
@@ -89,54 +89,66 @@ impl<M: Mode> Dielectric<'_, M> {
         // Work on the upper side: mirror the z axis when the light leaves from below.
         let flip = 1.0f32.copysign(wo.z);
         let (up, other, side) = (mirror(wo, flip), mirror(wi, flip), side_of(wo));
-        let (value, pdf) = if other.z > 0.0 {
-            self.eval_reflection(up, other, side, waves)
-        } else if self.bends() {
-            self.eval_refraction(up, other, side, waves)
+        let h = if other.z > 0.0 {
+            up + other
         } else {
-            (M::Light::ZERO, 0.0)
+            // The half vector of refraction points to the thinner side; turn it up. Walter et al. 2007, eq. 16.
+            let h = up + other * self.eta_across(side);
+            h * 1.0f32.copysign(h.z)
         };
-
-        // Add the broad lobe.
+        let h = h.normalize_or(Vec3::Z);
+        let split = self.coat.split(side, up.dot(h).clamp(0.0, 1.0), waves);
         let shares = self.shares(side, up.z, waves);
+        self.scatter(multiple, &shares, side, [up, other], (h, &split), waves)
+    }
+
+    /// Value and density of scattering between two directions by the facet `h`, with what it does to light, and by the broad
+    /// lobe.
+    fn scatter(
+        &self,
+        multiple: &Multiple<M>,
+        shares: &Shares<M::Light>,
+        side: Side,
+        [wo, wi]: [Vec3; 2],
+        (h, facet): (Vec3, &Split<M::Light>),
+        waves: &M::Waves,
+    ) -> (M::Light, f32) {
         let [reflect, transmit] = multiple.shares(side);
-        let cosine_pdf = cosine_hemisphere_pdf(other.z.abs());
+        let hemisphere_pdf = broad_pdf(self.microfacets.alpha, wi.z.abs());
         let stays = lobe_probability(reflect, transmit);
-        let (broad, broad_pdf) = if other.z > 0.0 {
-            (reflect * multiple.lobe(side, other.z) * self.coat.reflect_tint, stays * cosine_pdf)
+        let (value, pdf, broad, broad_pdf) = if wi.z > 0.0 {
+            let (value, pdf) = self.reflection(wo, wi, h, facet);
+            let broad = reflect * multiple.lobe(side, wi.z) * self.coat.reflect_tint;
+            (value, pdf, broad, stays * hemisphere_pdf)
         } else {
+            let (value, pdf) =
+                if self.bends() { self.refraction(wo, wi, h, facet, side) } else { (M::Light::ZERO, 0.0) };
             let across = self.eta_across(side);
-            let light = transmit * multiple.lobe(beyond(side), -other.z) * self.coat.transmit_tint;
-            (self.refracted(light * (1.0 / (across * across)), waves), (1.0 - stays) * cosine_pdf)
+            let broad = transmit * multiple.lobe(beyond(side), -wi.z) * self.coat.transmit_tint;
+            let broad = broad * (1.0 / (across * across));
+            (self.refracted(value, waves), pdf, self.refracted(broad, waves), (1.0 - stays) * hemisphere_pdf)
         };
         (value + shares.missing * broad, shares.scatters * (pdf + (broad_pdf - pdf) * shares.broadly))
     }
 
-    fn eval_reflection(&self, wo: Vec3, wi: Vec3, side: Side, waves: &M::Waves) -> (M::Light, f32) {
-        let h = (wo + wi).normalize();
-        let cos_h = wo.dot(h);
-        let split = self.coat.split(side, cos_h, waves);
+    fn reflection(&self, wo: Vec3, wi: Vec3, h: Vec3, facet: &Split<M::Light>) -> (M::Light, f32) {
         let scale = self.microfacets.d(h) / (4.0 * wo.z);
-        let value = split.reflect * (scale * self.microfacets.g2_reflect(wo, wi));
-        (value, scale * self.microfacets.g1(wo) * self.reflect_probability(&split))
+        let value = facet.reflect * (scale * self.microfacets.g2_reflect(wo, wi));
+        (value, scale * self.microfacets.g1(wo) * self.reflect_probability(facet))
     }
 
-    fn eval_refraction(&self, wo: Vec3, wi: Vec3, side: Side, waves: &M::Waves) -> (M::Light, f32) {
+    fn refraction(&self, wo: Vec3, wi: Vec3, h: Vec3, facet: &Split<M::Light>, side: Side) -> (M::Light, f32) {
         let eta = self.eta_across(side);
-        // The half vector of refraction points to the thinner side; turn it up. Walter et al. 2007, eq. 16.
-        let mut h = (wo + wi * eta).normalize();
-        h *= 1.0f32.copysign(h.z);
         let (cos_o, cos_i) = (wo.dot(h), wi.dot(h));
         if cos_o <= 0.0 || cos_i >= 0.0 {
             return (M::Light::ZERO, 0.0);
         }
-        let split = self.coat.split(side, cos_o, waves);
         let jacobian = refraction_jacobian(cos_o, cos_i, eta);
         let d = self.microfacets.d(h);
         // eq. 21, times cos_i; radiance is compressed by eta^-2 when it enters the denser side.
-        let value = split.transmit * (d * self.microfacets.g2_transmit(wo, wi) * cos_o * jacobian / (wo.z * eta * eta));
-        let pass = 1.0 - self.reflect_probability(&split);
-        (self.refracted(value, waves), self.microfacets.visible_pdf(wo, h) * jacobian * pass)
+        let value = facet.transmit * (d * self.microfacets.g2_transmit(wo, wi) * cos_o * jacobian / (wo.z * eta * eta));
+        let pass = 1.0 - self.reflect_probability(facet);
+        (value, self.microfacets.visible_pdf(wo, h) * jacobian * pass)
     }
 
     /// Chance that a facet reflects rather than refracts what it scatters.
@@ -161,7 +173,7 @@ impl<M: Mode> Dielectric<'_, M> {
             return Some(BsdfSample { wi, weight, pdf: Pdf::Delta, collapses: false });
         };
         u[0] /= shares.scatters;
-        self.sample_rough(multiple, shares.broadly, wo, u, waves)
+        self.sample_rough(multiple, &shares, wo, u, waves)
     }
 
     /// A smooth interface that bends light.
@@ -185,33 +197,41 @@ impl<M: Mode> Dielectric<'_, M> {
     fn sample_rough(
         &self,
         multiple: &Multiple<M>,
-        broadly: f32,
+        shares: &Shares<M::Light>,
         wo: Vec3,
         u: [f32; 3],
         waves: &M::Waves,
     ) -> Option<BsdfSample<M>> {
         let flip = 1.0f32.copysign(wo.z);
         let (up, side) = (mirror(wo, flip), side_of(wo));
-        let wi = if u[0] < broadly {
+        let broadly = shares.broadly;
+        if u[0] < broadly {
             let [reflect, transmit] = multiple.shares(side);
             let stays = u[0] < broadly * lobe_probability(reflect, transmit);
-            mirror(square_to_cosine_hemisphere([u[1], u[2]]), if stays { 1.0 } else { -1.0 })
+            let wi = square_to_broad(self.microfacets.alpha, [u[1], u[2]]);
+            let wi = mirror(wi, if stays { flip } else { -flip });
+            let (value, pdf) = self.eval(wo, wi, waves);
+            return self.drawn(wo, wi, value, pdf);
+        }
+        let h = self.microfacets.sample_visible(up, [u[1], u[2]]);
+        let cos_o = up.dot(h);
+        if cos_o <= 0.0 {
+            return None;
+        }
+        let facet = self.coat.split(side, cos_o, waves);
+        let wi = if (u[0] - broadly) / (1.0 - broadly) < self.reflect_probability(&facet) {
+            Some(h * (2.0 * cos_o) - up).filter(|wi| wi.z > 0.0)?
         } else {
-            let h = self.microfacets.sample_visible(up, [u[1], u[2]]);
-            let cos_o = up.dot(h);
-            if cos_o <= 0.0 {
-                return None;
-            }
-            let split = self.coat.split(side, cos_o, waves);
-            if (u[0] - broadly) / (1.0 - broadly) < self.reflect_probability(&split) {
-                Some(h * (2.0 * cos_o) - up).filter(|wi| wi.z > 0.0)?
-            } else {
-                refract(up, h, cos_o, self.eta_across(side)).filter(|wi| wi.z < 0.0)?
-            }
+            refract(up, h, cos_o, self.eta_across(side)).filter(|wi| wi.z < 0.0)?
         };
-        let collapses = self.refraction.1 && wi.z < 0.0;
-        let wi = mirror(wi, flip);
-        let (value, pdf) = self.eval(wo, wi, waves);
+        // With the very facet that was drawn: found again from the directions, it has no digits where they nearly oppose.
+        let (value, pdf) = self.scatter(multiple, shares, side, [up, wi], (h, &facet), waves);
+        self.drawn(wo, mirror(wi, flip), value, pdf)
+    }
+
+    #[inline]
+    fn drawn(&self, wo: Vec3, wi: Vec3, value: M::Light, pdf: f32) -> Option<BsdfSample<M>> {
+        let collapses = self.refraction.1 && wi.z * wo.z < 0.0;
         (pdf > 0.0).then(|| BsdfSample { wi, weight: value * (1.0 / pdf), pdf: Pdf::SolidAngle(pdf), collapses })
     }
 

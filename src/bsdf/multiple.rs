@@ -23,7 +23,7 @@ const ALPHAS: usize = 13;
 /// Cosines per roughness ([`Nodes`]).
 const COSINES: usize = 36;
 /// Facets per entry in one direction and in the other, of which symmetry saves one half.
-const FACETS: [usize; 2] = [32, 16];
+const FACETS: [usize; 2] = [40, 16];
 /// The golden ratio's fraction: shifts by it fill an interval evenly.
 const GOLDEN: f32 = 0.618_034;
 /// Losses below this share of the light are left alone.
@@ -140,6 +140,7 @@ impl Nodes {
         self.cosine_at(column as f32 / (COSINES - 1) as f32)
     }
 
+    #[inline]
     fn cosine_at(self, t: f32) -> f32 {
         (self.c * t * t / (1.0 + self.c - t * t)).min(1.0)
     }
@@ -169,10 +170,15 @@ fn mean_over_facets<const K: usize, const S: usize>(
 ) -> [[f32; K]; S] {
     let mut sums = [[0.0; K]; S];
     if microfacets.is_smooth() {
-        return sums;
+        return value(Vec3::Z);
     }
     for j in 0..FACETS[1] {
-        let half = 0.5 * (j as f32 + 0.5) / FACETS[1] as f32;
+        let s = (j as f32 + 0.5) / FACETS[1] as f32;
+        let (half, half_weight) = match microfacets.distribution {
+            Distribution::Ggx => (0.5 * s, 1.0),
+            // Again to the end where facets are tilted.
+            Distribution::Beckmann => (0.5 * s * s, 2.0 * s),
+        };
         // Rows are shifted against each other (a lattice), so that total reflection does not set in between two columns of
         // all of them.
         let shift = (0.5 + GOLDEN * j as f32).fract();
@@ -180,7 +186,7 @@ fn mean_over_facets<const K: usize, const S: usize>(
             // Rare facets, those that are tilted most, lose most: they lie at the ends.
             let t = (i as f32 + shift) / FACETS[0] as f32;
             let whole = t * t * (3.0 - 2.0 * t);
-            let weight = 6.0 * t * (1.0 - t) / (FACETS[0] * FACETS[1]) as f32;
+            let weight = half_weight * 6.0 * t * (1.0 - t) / (FACETS[0] * FACETS[1]) as f32;
             let u = match microfacets.distribution {
                 Distribution::Ggx => [half, whole],
                 Distribution::Beckmann => [whole, half],
@@ -191,6 +197,24 @@ fn mean_over_facets<const K: usize, const S: usize>(
         }
     }
     sums
+}
+
+/// A direction of the broad lobe, upper hemisphere: t of [`Nodes`] with density 4 t^3, which follows the lobe from barely
+/// rough surfaces, that lose light to the horizon only, to rough ones, where it is nearly a cosine.
+#[inline]
+pub(super) fn square_to_broad(alpha: f32, u: [f32; 2]) -> Vec3 {
+    let z = Nodes::new(alpha).cosine_at(u[0].sqrt().sqrt());
+    let radius = (1.0 - z * z).max(0.0).sqrt();
+    let (sin, cos) = (TAU * u[1]).sin_cos();
+    Vec3::new(radius * cos, radius * sin, z)
+}
+
+/// Density of [`square_to_broad`], 1/sr.
+#[inline]
+pub(super) fn broad_pdf(alpha: f32, cos: f32) -> f32 {
+    let Nodes { c } = Nodes::new(alpha);
+    let share = (1.0 + c) / (cos + c);
+    share * share * c / (cos + c) * cos * FRAC_1_PI
 }
 
 /// Share of the light reflected by facet `h` that no other facet stops.
@@ -229,8 +253,8 @@ impl Missing {
     }
 }
 
-/// Means below this are not divided by.
-const TINY: f32 = 1e-6;
+/// Means below this are mostly rounding: what they stand for is left lost.
+const TINY: f32 = 1e-5;
 
 /// One number that needs no film, and one for each hat of transmittance.
 type Sums = Table<{ 1 + HATS }>;
@@ -293,7 +317,7 @@ fn loss(reflected: f32, passed: Option<(f32, f32)>) -> [f32; 1 + HATS] {
 }
 
 /// Periods per hat of a fringe that hats do not resolve.
-const NARROW: f32 = 0.65;
+const NARROW: f32 = 0.7;
 
 fn straight(cos: f32, cos_h: f32) -> [f32; 1 + HATS] {
     let mut entry = [0.0; 1 + HATS];
@@ -353,7 +377,8 @@ impl<'s, M: Mode> Multiple<'s, M> {
     /// Share of light that single scattering loses from a direction on `side` at this (positive) cosine.
     #[inline]
     pub(super) fn missing(&self, side: Side, cos: f32) -> M::Light {
-        self.lost(side, &self.interface.losses(side).at(self.alpha, cos)).map(|lost| lost.max(0.0))
+        let lost = self.lost(side, &self.interface.losses(side).at(self.alpha, cos));
+        lost.zip(self.means[at(side)], |lost, mean| if mean > TINY { lost.max(0.0) } else { 0.0 })
     }
 
     /// The broad lobe's light per steradian towards a direction on `side` at this (positive) cosine, cosine included, for

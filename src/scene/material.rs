@@ -98,6 +98,10 @@ impl<M: Mode> Material<M> {
             Base::Dielectric { index, microfacets, absorption_per_m, fresnel } => {
                 let curve = curve_of(source, index)?;
                 straight = curve.as_constant().is_some_and(|constant| is_straight(constant.re as f32));
+                // What bends nothing reflects nothing by itself, not even all light along its inside.
+                let air = Index::Constant { n: 1.0, k: 0.0 };
+                let index = if straight { &air } else { index };
+                let curve = curve_of(source, index)?;
                 let eta = M::eta(&curve);
                 let absorption_per_m = *absorption_per_m;
                 if *fresnel || !source.films.is_empty() {
@@ -118,7 +122,7 @@ impl<M: Mode> Material<M> {
                     }
                 } else {
                     // No interface at all: air against air transmits everything.
-                    let (film, _) = compile(&Index::Constant { n: 1.0, k: 0.0 })?;
+                    let (film, _) = compile(&air)?;
                     Body::Refractor { film, eta, absorption_per_m }
                 }
             }

@@ -3,7 +3,7 @@
 use glam::Vec3;
 use pellicle::bsdf::{
     Bsdf, BsdfSample, Coat, CoatedDiffuse, Conductor, Dielectric, Diffuse, Interface, Microfacets, Missing, Multiple,
-    multiple_color,
+    is_straight, multiple_color,
 };
 use pellicle::color::{Emission, Index, Sensor};
 use pellicle::document::Distribution;
@@ -51,7 +51,8 @@ impl<M: Mode> Case<M> {
         let base = match recipe.kind {
             Kind::Diffuse | Kind::CoatedDiffuse => curve(1.5, 0.0),
             Kind::Conductor { n, k } => curve(n, k),
-            Kind::Dielectric { eta } => curve(eta, 0.0),
+            // What bends nothing is compiled as if it were not there.
+            Kind::Dielectric { eta } => curve(if is_straight(eta) { 1.0 } else { eta }, 0.0),
         };
         let stack = Stack { outside: curve(1.0, 0.0), layers, base, varying: None, weight: 1.0 };
         let sensor = Sensor::new(&Emission::D65);
@@ -88,9 +89,10 @@ impl<M: Mode> Case<M> {
                 Bsdf::Conductor(Conductor { coat, microfacets, multiple })
             }
             Kind::Dielectric { eta } => {
-                let multiple = self.interface.as_ref().map(|(interface, profile)| {
-                    Multiple::new(interface, alpha, eta, M::profiled(profile, 0.0, &self.waves))
-                });
+                let multiple =
+                    self.interface.as_ref().filter(|_| !microfacets.is_smooth()).map(|(interface, profile)| {
+                        Multiple::new(interface, alpha, eta, M::profiled(profile, 0.0, &self.waves))
+                    });
                 Bsdf::Dielectric(Dielectric { coat, microfacets, refraction: (eta, false), multiple })
             }
         }
