@@ -6,7 +6,7 @@
 
 use std::{env, panic, path::PathBuf, process::ExitCode};
 
-const STRUCTS: [&str; 4] = ["RTCRay", "RTCHit", "RTCRayHit", "RTCBounds"];
+const STRUCTS: [&str; 7] = ["RTCRay", "RTCHit", "RTCRayHit", "RTCRay8", "RTCHit8", "RTCRayHit8", "RTCBounds"];
 const NUMBERS: [&str; 3] = ["RTC_VERSION_MAJOR", "RTC_VERSION_MINOR", "RTC_MAX_INSTANCE_LEVEL_COUNT"];
 
 fn main() -> ExitCode {

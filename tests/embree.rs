@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use glam::{Affine3A, Quat, Vec3};
-use pellicle::embree::{Accel, AccelBuilder, EmbreeError, Hit, Ray, Shape};
+use pellicle::embree::{Accel, AccelBuilder, BATCH, EmbreeError, Hit, Ray, Shape};
 
 /// One triangle in the plane z = 0.
 fn triangle(builder: &mut AccelBuilder) -> Shape {
@@ -312,6 +312,56 @@ fn many_threads_may_trace_one_accel() {
         let workers: Vec<_> = (0..4).map(|_| scope.spawn(run)).collect();
         assert!(workers.into_iter().all(|worker| worker.join().unwrap() == alone));
     });
+}
+
+#[test]
+fn batches_answer_like_single_rays() {
+    let (positions, triangles) = tessellated(60, 30);
+    let mut builder = AccelBuilder::new(1).unwrap();
+    let shape = builder.mesh(positions, triangles).unwrap();
+    builder.place(shape).unwrap();
+    builder
+        .place_instance(
+            shape,
+            Affine3A::from_scale_rotation_translation(Vec3::splat(0.5), Quat::IDENTITY, Vec3::X * 3.0),
+        )
+        .unwrap();
+    let sphere = builder.sphere(Vec3::Y * 3.0, 1.0).unwrap();
+    builder.place(sphere).unwrap();
+    let accel = builder.build().unwrap();
+
+    // Outside the shapes: some rays meet one, some none; some end too soon; some are not finite.
+    let origin = Vec3::new(1.1, 1.3, 0.1);
+    let rays: Vec<Ray> = directions(8000)
+        .enumerate()
+        .map(|(i, dir)| match i % 37 {
+            0 => Ray { tnear: f32::NAN, ..Ray::new(origin, dir) },
+            1 => Ray { tfar: 0.01, ..Ray::new(origin, dir) },
+            _ => Ray::new(origin, dir),
+        })
+        .collect();
+    let mut met = 0;
+    for (i, batch) in rays.chunks_exact(BATCH).enumerate() {
+        let batch: &[Ray; BATCH] = batch.try_into().unwrap();
+        let active = !(1 << (i % 9)) as u8;
+        let (hits, blocked) = (accel.intersect_batch(batch, active), accel.occluded_batch(batch, active));
+        for (lane, ray) in batch.iter().enumerate() {
+            let single = if active >> lane & 1 == 1 { accel.intersect(ray) } else { None };
+            assert_eq!(blocked >> lane & 1 == 1, single.is_some(), "{ray:?}");
+            assert_eq!(hits.get(lane).is_some(), single.is_some(), "{ray:?}");
+            if let (Some(hit), Some(single)) = (hits.get(lane), single) {
+                met += 1;
+                assert_eq!((hit.place(), hit.prim), (single.place(), single.prim));
+                assert!((hit.t - single.t).abs() < 1e-5 && near(hit.ng, single.ng, 1e-5), "{hit:?} {single:?}");
+                assert!((hit.u - single.u).abs() < 1e-3 && (hit.v - single.v).abs() < 1e-3, "{hit:?} {single:?}");
+            }
+        }
+    }
+    assert!((1000..7000).contains(&met), "{met}");
+    let everywhere: [Ray; BATCH] = std::array::from_fn(|i| rays[2 + i]);
+    let empty = AccelBuilder::new(1).unwrap().build().unwrap();
+    let hits = empty.intersect_batch(&everywhere, 0xff);
+    assert!((0..BATCH).all(|lane| hits.get(lane).is_none()) && empty.occluded_batch(&everywhere, 0xff) == 0);
 }
 
 #[test]

@@ -260,7 +260,9 @@ const TINY: f32 = 1e-5;
 type Sums = Table<{ 1 + HATS }>;
 
 /// What facets between two transparent media do to light, whatever their film.
-pub enum Interface {
+pub struct Interface(Geometry);
+
+enum Geometry {
     /// Losses from outside and from inside: if everything were reflected, and what each hat of transmittance changes.
     Bends { losses: [Sums; 2] },
     /// Between equal media. What goes straight through: the share that the spread of visible facets leaves of fringes too
@@ -277,20 +279,20 @@ impl Interface {
                 // What is not bent meets no obstacle.
                 [loss(reflected, Some((cos_h, 1.0))), straight(wo.z, cos_h)]
             });
-            return Self::Straight { losses, through };
+            return Self(Geometry::Straight { losses, through });
         }
         let losses = Table::several(distribution, alpha, |facets, wo, h| {
             let reflected = reflected(facets, wo, h);
             [eta, 1.0 / eta].map(|across| loss(reflected, passed(facets, wo, h, across)))
         });
-        Self::Bends { losses }
+        Self(Geometry::Bends { losses })
     }
 
     #[inline]
     fn losses(&self, side: Side) -> &Sums {
-        match self {
-            Self::Bends { losses } => &losses[at(side)],
-            Self::Straight { losses, .. } => losses,
+        match &self.0 {
+            Geometry::Bends { losses } => &losses[at(side)],
+            Geometry::Straight { losses, .. } => losses,
         }
     }
 }
@@ -401,7 +403,7 @@ impl<'s, M: Mode> Multiple<'s, M> {
     /// `facet` is transmitted by one at this very cosine.
     #[inline]
     pub(super) fn straight(&self, cos: f32, facet: M::Light) -> M::Light {
-        let Interface::Straight { through, .. } = self.interface else { return M::Light::ZERO };
+        let Geometry::Straight { through, .. } = &self.interface.0 else { return M::Light::ZERO };
         let [narrow, weights @ ..] = through.at(self.alpha, cos);
         let mut transmit = facet * narrow;
         for (height, weight) in self.profile.transmit.iter().zip(weights) {

@@ -72,8 +72,8 @@ pub struct RenderArgs {
     /// Colour error (CIEDE2000) that a cheaper film model may cost [default: the scene's, or 1]
     #[arg(long, value_name = "DE")]
     tolerance: Option<f32>,
-    /// How light is found; `light` and `bsdf` are there to check `mis`
-    #[arg(long, value_name = "NAME", value_enum, default_value = "mis")]
+    /// How light is found; the others are there to check `shared`
+    #[arg(long, value_name = "NAME", value_enum, default_value = "shared")]
     strategy: StrategyArg,
     /// Brightness of PNG pictures, in stops [default: the scene's, or 0]
     #[arg(long, value_name = "EV", allow_negative_numbers = true)]
@@ -127,8 +127,13 @@ enum RungArg {
 
 #[derive(Clone, Copy, ValueEnum)]
 enum StrategyArg {
+    /// As `mis`, and neighbouring pixels look at what each other's paths found
+    Shared,
+    /// Light and surface sampling, weighted
     Mis,
+    /// Light sampling alone
     Light,
+    /// Surface sampling alone
     Bsdf,
 }
 
@@ -302,6 +307,7 @@ impl RenderArgs {
                 limits: PathLimits {
                     max_bounces: self.max_bounces.or(hints.max_bounces).unwrap_or(16),
                     strategy: match self.strategy {
+                        StrategyArg::Shared => Strategy::Shared,
                         StrategyArg::Mis => Strategy::Mis,
                         StrategyArg::Light => Strategy::Light,
                         StrategyArg::Bsdf => Strategy::Bsdf,

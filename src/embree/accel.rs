@@ -14,18 +14,18 @@ use super::ray::{Hit, Ray};
 /// Everything that rays can hit, built. Rays may come from any number of threads at once.
 pub struct Accel {
     // Order matters for dropping: scenes, then what they hold, then the buffers, then the device.
-    world: Scene,
+    pub(super) world: Scene,
     placements: Vec<Placement>,
     solids: Vec<Solid>,
     device: Device,
     /// False after a failed rebuild: nothing is hit then, rather than tracing a half-built scene.
-    built: bool,
+    pub(super) built: bool,
 }
 
 // SAFETY: Embree's objects belong to no thread. The error slot is behind a mutex, and the shared buffers move with us.
 unsafe impl Send for Accel {}
 // SAFETY: after the commit that ends each `&mut` method, scene, geometries and shared buffers are only read through `&self`.
-// rtcIntersect1, rtcOccluded1 and rtcGetSceneBounds may run concurrently on a committed scene (Embree's manual, "Thread
+// rtcIntersect1 and 8, rtcOccluded1 and 8 and rtcGetSceneBounds may run concurrently on a committed scene (Embree's manual, "Thread
 // Safety"); the error slot that they might write is behind a mutex.
 unsafe impl Sync for Accel {}
 

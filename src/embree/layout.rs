@@ -12,7 +12,9 @@ mod installed {
     include!(concat!(env!("OUT_DIR"), "/embree_layout.rs"));
 }
 
-pub(super) use installed::{RTC_VERSION_MAJOR, RTC_VERSION_MINOR, RTCBounds, RTCHit, RTCRay, RTCRayHit};
+pub(super) use installed::{
+    RTC_VERSION_MAJOR, RTC_VERSION_MINOR, RTCBounds, RTCHit, RTCHit8, RTCRay, RTCRay8, RTCRayHit, RTCRayHit8,
+};
 
 /// Embree's "no such geometry", "no such instance".
 pub(super) const INVALID_ID: u32 = u32::MAX;
@@ -34,6 +36,16 @@ const _: () = {
 
     assert!(offset_of!(RTCRayHit, ray) == 0 && offset_of!(RTCRayHit, hit) == size_of::<RTCRay>());
     assert!(size_of::<RTCRayHit>() == size_of::<RTCRay>() + size_of::<RTCHit>() && align_of::<RTCRayHit>() == 16);
+
+    // Packets hold eight of each number, aligned for 256-bit registers.
+    assert!(size_of::<RTCRay8>() == 12 * 32 && align_of::<RTCRay8>() == 32);
+    assert!(offset_of!(RTCRay8, tnear) == 3 * 32 && offset_of!(RTCRay8, dir_x) == 4 * 32);
+    assert!(offset_of!(RTCRay8, tfar) == 8 * 32 && offset_of!(RTCRay8, flags) == 11 * 32);
+    assert!(size_of::<RTCHit8>() >= (7 + LEVELS) * 32 && align_of::<RTCHit8>() == 32);
+    assert!(offset_of!(RTCHit8, u) == 3 * 32 && offset_of!(RTCHit8, primID) == 5 * 32);
+    assert!(offset_of!(RTCHit8, geomID) == 6 * 32 && offset_of!(RTCHit8, instID) == 7 * 32);
+    assert!(offset_of!(RTCRayHit8, ray) == 0 && offset_of!(RTCRayHit8, hit) == size_of::<RTCRay8>());
+    assert!(size_of::<RTCRayHit8>() == size_of::<RTCRay8>() + size_of::<RTCHit8>() && align_of::<RTCRayHit8>() == 32);
 
     assert!(size_of::<RTCBounds>() == 32 && align_of::<RTCBounds>() == 16 && offset_of!(RTCBounds, upper_x) == 16);
 

@@ -2,12 +2,13 @@
 //!
 //! [`AccelBuilder`] takes shapes (triangle meshes, spheres) and places them in the world, directly or as instances that
 //! share one BVH; [`AccelBuilder::build`] gives an [`Accel`], which answers [`Accel::intersect`] and
-//! [`Accel::occluded`] from any number of threads. This room knows numbers and vectors only; what a hit means is the
-//! caller's business, by [`Hit::place`] and [`Hit::prim`].
+//! [`Accel::occluded`], and both for [`BATCH`] rays at once, from any number of threads. This room knows numbers and
+//! vectors only; what a hit means is the caller's business, by [`Hit::place`] and [`Hit::prim`].
 
 #![allow(unsafe_code)]
 
 mod accel;
+mod batch;
 mod builder;
 mod error;
 mod handle;
@@ -15,6 +16,7 @@ mod layout;
 mod ray;
 
 pub use accel::Accel;
+pub use batch::{BATCH, Hits};
 pub use builder::{AccelBuilder, Shape};
 pub use error::EmbreeError;
 pub use handle::version;

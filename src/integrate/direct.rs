@@ -1,6 +1,7 @@
 //! Next-event estimation: light that comes straight from a source.
 
-use super::path::{Vertex, transmission};
+use super::path::transmission;
+use super::vertex::Vertex;
 use super::{PathLimits, Strategy, Tally, mis_weight};
 use crate::embree::Ray;
 use crate::mode::{Lanes, Mode};
@@ -10,6 +11,17 @@ use crate::scene::Scene;
 const SHADOW_GAP: f32 = 1e-4;
 
 /// Light from one drawn source, scattered towards the viewer.
+pub(super) struct Direct<L> {
+    pub light: L,
+    /// The light counts only if nothing lies on this ray; `None` when that is settled.
+    pub shadow: Option<Ray>,
+}
+
+impl<L: Lanes> Direct<L> {
+    pub const NONE: Self = Self { light: L::ZERO, shadow: None };
+}
+
+/// Draws a source, and leaves it to the caller to trace the shadow ray where no surface lets light through.
 #[inline]
 pub(super) fn direct_light<M: Mode>(
     scene: &Scene<M>,
@@ -18,33 +30,35 @@ pub(super) fn direct_light<M: Mode>(
     waves: &M::Waves,
     limits: &PathLimits,
     tally: &mut Tally,
-) -> M::Light {
-    let Some(sample) = scene.stage.lights.sample(vertex.surface.position, u) else { return M::Light::ZERO };
+) -> Direct<M::Light> {
+    let Some(sample) = scene.stage.lights.sample(vertex.surface.position, u) else { return Direct::NONE };
     if limits.strategy == Strategy::Bsdf && !sample.alone {
-        return M::Light::ZERO;
+        return Direct::NONE;
     }
 
     // Evaluate the surface for that direction.
-    let wi = vertex.frame.to_local(sample.wi);
-    if wi.z * sample.wi.dot(vertex.surface.ng) <= 0.0 {
-        return M::Light::ZERO;
-    }
+    let Some(wi) = vertex.local(sample.wi) else { return Direct::NONE };
     let (value, scatter_pdf) = vertex.bsdf.eval(vertex.wo, wi, waves);
     if value.is_black() {
-        return M::Light::ZERO;
+        return Direct::NONE;
     }
     let arriving = scene.arriving(&sample.light, waves);
     if arriving.is_black() {
-        return M::Light::ZERO;
+        return Direct::NONE;
     }
 
-    // Ask whether anything stands between.
+    // Look at what stands between, where it may let some light pass.
     let origin = vertex.surface.leave(sample.wi);
     let tfar = sample.distance_m * (1.0 - SHADOW_GAP);
     let shadow = Ray { tfar, ..Ray::new(origin, sample.wi) };
-    let (passed, chance) = scene.transmittance(&shadow, waves, &mut tally.shadow_rays);
-    if passed.is_black() {
-        return M::Light::ZERO;
+    let (mut passed, mut chance) = (M::Light::ONE, 1.0);
+    if scene.lets_through() {
+        (passed, chance) = scene.transmittance(&shadow, waves, &mut tally.shadow_rays);
+        if passed.is_black() {
+            return Direct::NONE;
+        }
+    } else {
+        tally.shadow_rays += 1;
     }
 
     let alone = sample.alone || limits.strategy == Strategy::Light;
@@ -53,5 +67,5 @@ pub(super) fn direct_light<M: Mode>(
     if wi.z * vertex.wo.z > 0.0 && sample.distance_m.is_finite() && vertex.absorption_per_m != glam::Vec3::ZERO {
         light *= transmission::<M>(vertex.absorption_per_m, sample.distance_m, waves);
     }
-    light
+    Direct { light, shadow: (!scene.lets_through()).then_some(shadow) }
 }

@@ -2,11 +2,16 @@
 
 mod direct;
 mod path;
+mod seen;
+mod share;
+mod vertex;
 
-pub use path::radiance;
+pub use path::Path;
+pub use seen::seen_light;
+pub use share::{GROUP, radiances};
 use std::ops::AddAssign;
 
-/// How light is found. The three agree in the mean; the first two are kept to check the third.
+/// How light is found. All agree in the mean; the others are kept to check the last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Strategy {
     /// Only by rays that happen to hit it (and by light sampling for what no ray can hit).
@@ -14,8 +19,10 @@ pub enum Strategy {
     /// Only by sampling the lights (and by rays after perfectly smooth surfaces, which light sampling cannot serve).
     Light,
     /// Both, weighted by the power heuristic.
-    #[default]
     Mis,
+    /// Both, and neighbouring pixels look at what each other's paths found: less noise in indirect light, the same mean.
+    #[default]
+    Shared,
 }
 
 #[derive(Clone, Copy, Debug)]

@@ -1,132 +1,198 @@
-//! The path loop.
+//! One path from the camera: it arrives at a surface, is scattered, arrives at the next.
 
 use glam::Vec3;
 
-use super::direct::direct_light;
+use super::direct::{Direct, direct_light};
+use super::vertex::Vertex;
 use super::{PathLimits, Strategy, Tally, mis_weight};
-use crate::bsdf::{Bsdf, Pdf};
+use crate::bsdf::Pdf;
 use crate::embree::Ray;
-use crate::math::{Frame, Sampler};
+use crate::math::Sampler;
 use crate::mode::{Lanes, Mode};
-use crate::scene::{Material, Scene, Surface};
+use crate::scene::{Scene, Surface};
 
-/// Surfaces that one path segment may pass straight through.
+/// Surfaces that one path may pass straight through.
 const MAX_THROUGH: u32 = 256;
 /// Bounces before Russian roulette begins.
-const SURE_BOUNCES: u32 = 3;
-/// Smallest cosine between a bent shading normal and the viewer.
-const GRAZING: f32 = 1e-3;
+pub(super) const SURE_BOUNCES: u32 = 3;
 
-/// A surface point with its scattering, ready for one step of a path.
-pub(super) struct Vertex<'s, M: Mode> {
-    pub surface: Surface<'s>,
-    pub frame: Frame,
-    pub bsdf: Bsdf<'s, M>,
-    /// Towards where the path came from, local frame.
-    pub wo: Vec3,
-    /// Absorption on the side of `wo`, linear RGB per metre.
-    pub absorption_per_m: Vec3,
+/// A path on its way, with the light that it has found so far.
+pub struct Path<M: Mode> {
+    pub(super) ray: Ray,
+    pub waves: M::Waves,
+    sampler: Sampler,
+    pub radiance: M::Light,
+    pub(super) throughput: M::Light,
+    /// Where the ray was scattered and with what density; `None` when light sampling could not have drawn it.
+    scattered: Option<(Vec3, f32)>,
+    pub(super) absorption_per_m: Vec3,
+    /// What roulette multiplies the throughput with: radiance is compressed inside dense bodies, which is no loss, and a
+    /// tail starts with the importance of the path it belongs to.
+    pub(super) importance: f32,
+    pub(super) bounce: u32,
+    /// Surfaces that were passed as if they were not there.
+    pub(super) passed: u32,
+    /// True when one wavelength has decided for all.
+    pub(super) collapsed: bool,
+    /// The next four numbers: for the surface and its holes.
+    u_surface: [f32; 4],
+    /// True while the path is to leave out the light that its camera ray meets: it is found otherwise ([`seen_light`]).
+    ///
+    /// [`seen_light`]: super::seen_light
+    blind: bool,
 }
 
-/// Radiance along a ray, estimated with one path.
-pub fn radiance<M: Mode>(
-    scene: &Scene<M>,
-    mut ray: Ray,
-    waves: &mut M::Waves,
-    sampler: &mut Sampler,
-    limits: &PathLimits,
-    tally: &mut Tally,
-) -> M::Light {
-    let mut radiance = M::Light::ZERO;
-    let mut throughput = M::Light::ONE;
-    // Where the ray was scattered and with what density; `None` when light sampling could not have drawn it.
-    let mut scattered: Option<(Vec3, f32)> = None;
-    let mut absorption_per_m = Vec3::ZERO;
-    // Radiance is compressed inside dense bodies; roulette must not mistake that for loss.
-    let mut compression = 1.0f32;
-    let (mut bounce, mut passed) = (0, 0);
+/// What a path comes to at the end of its ray.
+pub(super) enum Arrival<'s> {
+    /// The path is over.
+    End,
+    /// A hole: the path goes straight on.
+    Through,
+    At(Surface<'s>),
+}
 
-    loop {
-        // Find the next surface, or the light beyond the scene.
-        tally.rays += 1;
-        let Some(surface) = scene.intersect(&ray) else {
-            scene.escape(ray.dir, waves, |light, light_pdf| {
-                radiance += throughput * light * hit_weight(scattered.map(|(_, pdf)| (pdf, light_pdf)), limits);
+impl<M: Mode> Path<M> {
+    /// `blind` paths leave out what [`seen_light`](super::seen_light) finds.
+    pub fn new(ray: Ray, waves: M::Waves, sampler: Sampler, blind: bool) -> Self {
+        Self {
+            ray,
+            waves,
+            sampler,
+            radiance: M::Light::ZERO,
+            throughput: M::Light::ONE,
+            scattered: None,
+            absorption_per_m: Vec3::ZERO,
+            importance: 1.0,
+            bounce: 0,
+            passed: 0,
+            collapsed: false,
+            u_surface: [0.0; 4],
+            blind,
+        }
+    }
+
+    /// True when the last scattering could have gone anywhere, not only in one direction.
+    pub(super) fn was_spread(&self) -> bool {
+        self.scattered.is_some()
+    }
+
+    /// Takes the path to what its ray met, and adds what that emits.
+    #[inline]
+    pub(super) fn arrive<'s>(
+        &mut self,
+        scene: &'s Scene<M>,
+        met: Option<Surface<'s>>,
+        limits: &PathLimits,
+    ) -> Arrival<'s> {
+        let blind = std::mem::take(&mut self.blind);
+        let Some(surface) = met else {
+            if blind {
+                return Arrival::End;
+            }
+            let (scattered, throughput, radiance) = (self.scattered, self.throughput, &mut self.radiance);
+            scene.escape(self.ray.dir, &self.waves, |light, light_pdf| {
+                *radiance += throughput * light * hit_weight(scattered.map(|(_, pdf)| (pdf, light_pdf)), limits);
             });
-            return radiance;
+            return Arrival::End;
         };
-        if absorption_per_m != Vec3::ZERO {
-            throughput *= transmission::<M>(absorption_per_m, surface.position.distance(ray.origin), waves);
+        if self.absorption_per_m != Vec3::ZERO {
+            let distance_m = surface.position.distance(self.ray.origin);
+            self.throughput *= transmission::<M>(self.absorption_per_m, distance_m, &self.waves);
         }
 
         // Add what the surface emits.
-        let material = scene.material(&surface);
-        if surface.emitter != u32::MAX {
-            let light = scene.emitted(&surface, -ray.dir.dot(surface.ng), waves);
+        if surface.emitter != u32::MAX && !blind {
+            let light = scene.emitted(&surface, -self.ray.dir.dot(surface.ng), &self.waves);
             if !light.is_black() {
-                let densities = scattered.map(|(from, pdf)| (pdf, scene.stage.lights.surface_pdf(from, &surface)));
-                radiance += throughput * light * hit_weight(densities, limits);
+                let lights = &scene.stage.lights;
+                let densities = self.scattered.map(|(from, pdf)| (pdf, lights.surface_pdf(from, &surface)));
+                self.radiance += self.throughput * light * hit_weight(densities, limits);
             }
         }
-        if bounce >= limits.max_bounces {
-            return radiance;
+        if self.bounce >= limits.max_bounces {
+            return Arrival::End;
         }
 
         // Pass through holes.
-        let [u_lobe, u_x, u_y, u_hole] = sampler.next_4d();
-        let coverage = material.coverage(&surface, scene.textures());
-        if u_hole >= coverage && passed < MAX_THROUGH {
-            passed += 1;
-            scattered = scattered.map(|(from, pdf)| (from, pdf * (1.0 - coverage)));
-            ray = Ray::new(surface.leave(ray.dir), ray.dir);
-            continue;
+        self.u_surface = self.sampler.next_4d();
+        let coverage = scene.material(&surface).coverage(&surface, scene.textures());
+        if self.u_surface[3] < coverage || self.passed >= MAX_THROUGH {
+            return Arrival::At(surface);
         }
+        self.passed += 1;
+        self.scattered = self.scattered.map(|(from, pdf)| (from, pdf * (1.0 - coverage)));
+        self.ray = Ray::new(surface.leave(self.ray.dir), self.ray.dir);
+        Arrival::Through
+    }
 
-        // Sample the lights.
-        let vertex = Vertex::new(scene, material, surface, -ray.dir, absorption_per_m, waves);
-        let [u_light, u_light_x, u_light_y, u_roulette] = sampler.next_4d();
+    /// The surface that the path is at, ready to scatter.
+    #[inline]
+    pub(super) fn vertex<'s>(&self, scene: &'s Scene<M>, surface: Surface<'s>) -> Vertex<'s, M> {
+        Vertex::new(scene, surface, -self.ray.dir, self.absorption_per_m, &self.waves)
+    }
+
+    /// Draws light that reaches a vertex straight from a source, to be added by the caller, and sends the path on: false
+    /// where it ends.
+    #[inline]
+    pub(super) fn scatter(
+        &mut self,
+        scene: &Scene<M>,
+        vertex: &Vertex<M>,
+        limits: &PathLimits,
+        tally: &mut Tally,
+    ) -> (Direct<M::Light>, bool) {
+        let [u_light_x, u_light_y, u_light, u_roulette] = self.sampler.next_4d();
+        let mut direct = Direct::NONE;
         if !vertex.bsdf.is_delta() {
-            radiance +=
-                throughput * direct_light(scene, &vertex, [u_light, u_light_x, u_light_y], waves, limits, tally);
+            direct = direct_light(scene, vertex, [u_light, u_light_x, u_light_y], &self.waves, limits, tally);
+            direct.light = self.throughput * direct.light;
         }
+        let goes_on = self.send_on(vertex, u_roulette);
+        (direct, goes_on)
+    }
 
-        // Sample the surface.
-        let Some(sample) = vertex.bsdf.sample(vertex.wo, [u_lobe, u_x, u_y], waves) else { return radiance };
+    /// Samples the surface; false where the path ends.
+    #[inline]
+    fn send_on(&mut self, vertex: &Vertex<M>, u_roulette: f32) -> bool {
+        let [u_x, u_y, u_lobe, _] = self.u_surface;
+        let Some(sample) = vertex.bsdf.sample(vertex.wo, [u_lobe, u_x, u_y], &self.waves) else { return false };
         let wi = vertex.frame.to_world(sample.wi);
-        if wi.dot(surface.ng) * sample.wi.z <= 0.0 && !matches!(sample.pdf, Pdf::Through(_)) {
+        if wi.dot(vertex.surface.ng) * sample.wi.z <= 0.0 && !matches!(sample.pdf, Pdf::Through(_)) {
             // An interpolated normal sent the ray to the wrong side of the real surface.
-            return radiance;
+            return false;
         }
-        throughput *= sample.weight;
+        self.throughput *= sample.weight;
         if sample.collapses {
-            M::collapse(waves);
+            self.collapsed = true;
+            M::collapse(&mut self.waves);
         }
         if sample.wi.z * vertex.wo.z < 0.0 {
             let entering = sample.wi.z < 0.0;
-            absorption_per_m = if entering { material.absorption_per_m() } else { Vec3::ZERO };
-            compression *= vertex.bsdf.compression(entering);
+            self.absorption_per_m = if entering { vertex.material.absorption_per_m() } else { Vec3::ZERO };
+            self.importance *= vertex.bsdf.compression(entering);
         }
-        ray = Ray::new(surface.leave(wi), wi);
+        self.ray = Ray::new(vertex.surface.leave(wi), wi);
         match sample.pdf {
-            Pdf::Through(chance) if passed < MAX_THROUGH => {
-                passed += 1;
-                scattered = scattered.map(|(from, pdf)| (from, pdf * chance));
-                continue;
+            Pdf::Through(chance) if self.passed < MAX_THROUGH => {
+                self.passed += 1;
+                self.scattered = self.scattered.map(|(from, pdf)| (from, pdf * chance));
+                return true;
             }
-            Pdf::Through(_) => return radiance,
-            Pdf::Delta => scattered = None,
-            Pdf::SolidAngle(pdf) => scattered = Some((surface.position, pdf)),
+            Pdf::Through(_) => return false,
+            Pdf::Delta => self.scattered = None,
+            Pdf::SolidAngle(pdf) => self.scattered = Some((vertex.surface.position, pdf)),
         }
-        bounce += 1;
+        self.bounce += 1;
 
         // Play Russian roulette with what is left.
-        if bounce > SURE_BOUNCES {
-            let survival = (throughput.max() * compression).min(0.95);
+        if self.bounce > SURE_BOUNCES {
+            let survival = (self.throughput.max() * self.importance).min(0.95);
             if u_roulette >= survival {
-                return radiance;
+                return false;
             }
-            throughput = throughput * (1.0 / survival);
+            self.throughput = self.throughput * (1.0 / survival);
         }
+        true
     }
 }
 
@@ -136,41 +202,11 @@ fn hit_weight(densities: Option<(f32, f32)>, limits: &PathLimits) -> f32 {
     match (densities, limits.strategy) {
         (None, _) | (_, Strategy::Bsdf) => 1.0,
         (Some(_), Strategy::Light) => 0.0,
-        (Some((scatter_pdf, light_pdf)), Strategy::Mis) => mis_weight(scatter_pdf, light_pdf),
+        (Some((scatter_pdf, light_pdf)), Strategy::Mis | Strategy::Shared) => mis_weight(scatter_pdf, light_pdf),
     }
 }
 
 /// Beer-Lambert.
 pub(super) fn transmission<M: Mode>(absorption_per_m: Vec3, distance_m: f32, waves: &M::Waves) -> M::Light {
     M::reflectance((-absorption_per_m * distance_m).exp(), waves)
-}
-
-impl<'s, M: Mode> Vertex<'s, M> {
-    fn new(
-        scene: &'s Scene<M>,
-        material: &'s Material<M>,
-        surface: Surface<'s>,
-        toward_viewer: Vec3,
-        absorption_per_m: Vec3,
-        waves: &M::Waves,
-    ) -> Self {
-        let frame = facing(material.frame(&surface, scene.textures()), surface.ng, toward_viewer);
-        let bsdf = material.bsdf(&surface, scene.textures(), waves);
-        let wo = frame.to_local(toward_viewer);
-        Self { surface, frame, bsdf, wo, absorption_per_m }
-    }
-}
-
-/// The shading frame, its normal on the outward side and bent as far as needed to face the viewer on the side that is
-/// really seen: an interpolated normal near a silhouette may not.
-#[inline]
-fn facing(frame: Frame, ng: Vec3, toward_viewer: Vec3) -> Frame {
-    let normal = frame.normal * 1.0f32.copysign(frame.normal.dot(ng));
-    let side = 1.0f32.copysign(toward_viewer.dot(ng));
-    let cos = normal.dot(toward_viewer) * side;
-    if cos >= GRAZING {
-        return if normal == frame.normal { frame } else { Frame::new(normal) };
-    }
-    let across = normal - toward_viewer * normal.dot(toward_viewer);
-    Frame::new((across + toward_viewer * (side * GRAZING)).normalize())
 }

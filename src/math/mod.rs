@@ -4,6 +4,7 @@ pub mod distribution;
 mod frame;
 mod noise;
 mod sampler;
+mod sobol;
 pub mod warp;
 
 pub use frame::Frame;

@@ -4,14 +4,12 @@
 //! [`Sampler::next_4d`] takes the first four Sobol dimensions under a fresh scramble, so each group of four is well
 //! stratified within itself and independent of the others.
 
-use sobol_burley::sample_4d;
-
-/// Points that one scramble serves before it repeats.
-const SEQUENCE_LENGTH_LOG2: u32 = 16;
+use super::sobol::{LENGTH_LOG2, owen_sobol_4d};
 
 #[derive(Clone, Debug)]
 pub struct Sampler {
-    index: u32,
+    /// Bits reversed.
+    index_rev: u32,
     seed: u32,
     set: u32,
 }
@@ -20,9 +18,9 @@ impl Sampler {
     /// The stream of sample `index` of `pixel` (any number that identifies it).
     #[inline]
     pub fn new(pixel: u32, index: u32, seed: u32) -> Self {
-        let block = index >> SEQUENCE_LENGTH_LOG2;
+        let block = index >> LENGTH_LOG2;
         let seed = hash(pixel ^ hash(seed ^ hash(block)));
-        Self { index: index & ((1 << SEQUENCE_LENGTH_LOG2) - 1), seed, set: 0 }
+        Self { index_rev: (index & ((1 << LENGTH_LOG2) - 1)).reverse_bits(), seed, set: 0 }
     }
 
     /// Four numbers in [0, 1), jointly stratified over the samples of a pixel.
@@ -30,7 +28,7 @@ impl Sampler {
     pub fn next_4d(&mut self) -> [f32; 4] {
         let set = self.set;
         self.set += 1;
-        sample_4d(self.index, 0, self.seed.wrapping_add(set.wrapping_mul(0x9e37_79b9)))
+        owen_sobol_4d(self.index_rev, self.seed.wrapping_add(set.wrapping_mul(0x9e37_79b9)))
     }
 }
 

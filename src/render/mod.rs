@@ -4,10 +4,12 @@
 //! bits, however the samples are cut into passes.
 
 mod clock;
+mod edge;
 mod filter;
 mod frame;
 mod tile;
 
+use arrayvec::ArrayVec;
 pub use clock::{available_memory, cpu_seconds, peak_rss_mb};
 pub use filter::Filter;
 pub use frame::Frame;
@@ -15,11 +17,12 @@ use glam::Vec2;
 use rayon::prelude::*;
 use thiserror::Error;
 
-use crate::integrate::{PathLimits, Tally, radiance};
+use crate::integrate::{GROUP, Path, PathLimits, Tally, radiances};
 use crate::math::Sampler;
 use crate::mode::{Lanes, Mode};
 use crate::scene::{Camera, Scene};
-use tile::{Pixel, Tile};
+use edge::Edges;
+use tile::Tile;
 
 /// Largest number of samples that a pass adds to each pixel. A render stops between tiles: no pixel is then more than this
 /// ahead of another.
@@ -124,37 +127,62 @@ fn render_tile<M: Mode>(
     samples: std::ops::Range<u32>,
 ) -> Tally {
     let mut tally = Tally::default();
-    let (x0, y0, width) = (tile.x0, tile.y0, tile.width);
-    for (i, pixel) in tile.pixels.iter_mut().enumerate() {
-        let (x, y) = (x0 + i as u32 % width, y0 + i as u32 / width);
+    let edges = match tile.edges.take() {
+        Some(edges) => edges,
+        None => Edges::find(scene, camera, plan, tile, &mut tally),
+    };
+    for group in tile.groups() {
         for index in samples.clone() {
-            render_sample(scene, camera, plan, [x, y], index, pixel, &mut tally);
+            render_group(scene, camera, plan, (tile, &edges), &group, index, &mut tally);
         }
     }
+    tile.edges = Some(edges);
     tile.spp = samples.end;
     tally
 }
 
+/// Adds one sample to each pixel of a group.
 #[inline]
-fn render_sample<M: Mode>(
+fn render_group<M: Mode>(
     scene: &Scene<M>,
     camera: &Camera,
     plan: &Plan,
-    [x, y]: [u32; 2],
+    (tile, edges): (&mut Tile, &Edges),
+    group: &[u32],
     index: u32,
-    pixel: &mut Pixel,
     tally: &mut Tally,
 ) {
-    let mut sampler = Sampler::new(y.wrapping_mul(camera.size[0]).wrapping_add(x), index, plan.seed);
-    let [u_x, u_y, lens_x, lens_y] = sampler.next_4d();
-    let offset = Vec2::new(plan.filter.sample(u_x), plan.filter.sample(u_y));
-    let position = Vec2::new(x as f32, y as f32) + 0.5 + offset;
-    let mut waves = if M::SAMPLES_WAVES { M::waves(sampler.next_4d()[0]) } else { M::waves(0.0) };
-    let ray = camera.ray(position, [lens_x, lens_y]);
-    let light = radiance(scene, ray, &mut waves, &mut sampler, &plan.limits, tally);
-    if light.is_finite() {
-        pixel.add(M::to_rgb(light, &waves, &scene.stage.sensor));
-    } else {
-        tally.non_finite += 1;
+    let number = |[x, y]: [u32; 2]| y.wrapping_mul(camera.size[0]).wrapping_add(x);
+    // All paths of a group carry the same wavelengths: they look at each other's finds.
+    let waves = match group.first() {
+        Some(&first) if M::SAMPLES_WAVES => {
+            M::waves(Sampler::new(number(tile.place(first)), index, !plan.seed).next_4d()[0])
+        }
+        _ => M::waves(0.0),
+    };
+    let mut paths = ArrayVec::<Path<M>, GROUP>::new();
+    for &member in group {
+        let [x, y] = tile.place(member);
+        let mut sampler = Sampler::new(number([x, y]), index, plan.seed);
+        let [u_x, u_y, lens_x, lens_y] = sampler.next_4d();
+        let offset = Vec2::new(plan.filter.sample(u_x), plan.filter.sample(u_y));
+        let position = Vec2::new(x as f32, y as f32) + 0.5 + offset;
+        let blind = edges.cross(x - tile.x0, y - tile.y0);
+        paths.push(Path::new(camera.ray(position, [lens_x, lens_y]), waves, sampler, blind));
+    }
+    radiances(scene, &mut paths, &plan.limits, tally);
+    for (&member, path) in group.iter().zip(&mut paths) {
+        let [x, y] = tile.place(member);
+        if edges.cross(x - tile.x0, y - tile.y0) {
+            path.radiance += edge::seen_sample(scene, camera, plan, ([x, y], number([x, y])), index, &waves, tally);
+        }
+    }
+    for (&member, path) in group.iter().zip(&paths) {
+        if path.radiance.is_finite() {
+            let rgb = M::to_rgb(path.radiance, &path.waves, &scene.stage.sensor);
+            tile.pixels[member as usize].add(rgb);
+        } else {
+            tally.non_finite += 1;
+        }
     }
 }

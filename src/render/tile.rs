@@ -1,6 +1,11 @@
 //! Accumulators, kept per tile so that threads never share a cache line.
 
+use arrayvec::ArrayVec;
 use glam::Vec3;
+
+use super::edge::Edges;
+use crate::integrate::GROUP;
+use crate::math::distribution::spread_bits;
 
 pub const TILE_SIDE: u32 = 16;
 
@@ -12,6 +17,8 @@ pub struct Tile {
     /// Samples that each pixel has.
     pub spp: u32,
     pub pixels: Vec<Pixel>,
+    /// Found with the first samples.
+    pub edges: Option<Edges>,
 }
 
 /// Sums over the samples of one pixel.
@@ -33,7 +40,32 @@ impl Pixel {
     }
 }
 
+/// Side of the blocks that are cut into groups; each row and column of a block has one pixel of each group.
+const BLOCK: u32 = GROUP as u32;
+
 impl Tile {
+    /// Pixel numbers of the groups that share paths: close together, but never neighbours, so that what they share is not
+    /// seen as blotches.
+    pub fn groups(&self) -> Vec<ArrayVec<u32, GROUP>> {
+        let (columns, height) = (self.width.div_ceil(BLOCK), self.height());
+        let mut groups = vec![ArrayVec::new(); (columns * height.div_ceil(BLOCK) * BLOCK) as usize];
+        for pixel in 0..self.pixels.len() as u32 {
+            let (x, y) = (pixel % self.width, pixel / self.width);
+            let block = y / BLOCK * columns + x / BLOCK;
+            groups[(block * BLOCK + (x + 3 * y) % BLOCK) as usize].push(pixel);
+        }
+        groups
+    }
+
+    pub fn height(&self) -> u32 {
+        self.pixels.len() as u32 / self.width
+    }
+
+    /// Where a pixel lies in the picture.
+    pub fn place(&self, pixel: u32) -> [u32; 2] {
+        [self.x0 + pixel % self.width, self.y0 + pixel / self.width]
+    }
+
     /// All tiles of a picture, along a Z-order curve: neighbours in time are neighbours in space.
     pub fn grid([width, height]: [u32; 2]) -> Vec<Self> {
         let (columns, rows) = (width.div_ceil(TILE_SIDE), height.div_ceil(TILE_SIDE));
@@ -44,20 +76,10 @@ impl Tile {
             let (x0, y0) = (column * TILE_SIDE, row * TILE_SIDE);
             let (tile_width, tile_height) = ((width - x0).min(TILE_SIDE), (height - y0).min(TILE_SIDE));
             let pixels = vec![Pixel::default(); (tile_width * tile_height) as usize];
-            Self { x0, y0, width: tile_width, spp: 0, pixels }
+            Self { x0, y0, width: tile_width, spp: 0, pixels, edges: None }
         };
         places.into_iter().map(tile).collect()
     }
-}
-
-/// Moves bit i to bit 2i.
-fn spread_bits(x: u32) -> u64 {
-    let mut x = u64::from(x);
-    for (shift, mask) in [(16, 0x0000_ffff_0000_ffff), (8, 0x00ff_00ff_00ff_00ff), (4, 0x0f0f_0f0f_0f0f_0f0f)] {
-        x = (x | x << shift) & mask;
-    }
-    x = (x | x << 2) & 0x3333_3333_3333_3333;
-    (x | x << 1) & 0x5555_5555_5555_5555
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use glam::{Affine3A, Mat3, Mat4, Vec3};
 use super::BuildError;
 use super::light::{Emitter, Source};
 use super::lighting::{self, PlacedLight};
-use super::surface::{Body, Glow, Part, Place, Shading};
+use super::surface::{Body, Glow, NO_MAPS, Part, Place, Shading};
 use crate::color::Emission;
 use crate::document::{self, Base, Document, Geometry, Item, Map, Mesh, Shape};
 use crate::embree::{self, AccelBuilder};
@@ -143,6 +143,7 @@ impl Assembly {
         let center = Vec3::from(to_world.translation);
         let shape = self.builder.sphere(center, radius)?;
         let place = self.builder.place(shape)?;
+        let uv_set = first_texcoord(&self.materials[material as usize]).map_or(NO_MAPS, |_| 0);
         let emitter = lighting::add_sphere_emitter(self, place, material, center, radius, false);
         self.places.push(Place {
             shape,
@@ -152,7 +153,7 @@ impl Assembly {
             normal_to_world: Mat3::IDENTITY,
             handedness: 1.0,
             to_object: to_world.inverse(),
-            parts: vec![Part { end: u32::MAX, material, first: 0, emitter, uv_set: 0 }],
+            parts: vec![Part { end: u32::MAX, material, first: 0, emitter, uv_set }],
             height_m: [center.y - radius, center.y + radius],
         });
         Ok(())
@@ -182,13 +183,16 @@ fn parts(document: &Document, geometry: &Geometry, mesh: &Mesh, bindings: &[docu
         let bound_set = binding
             .zip(texcoord)
             .and_then(|(b, name)| b.uv_sets.iter().find(|(semantic, _)| semantic == name).map(|(_, set)| *set));
-        let uv_set = bound_set.and_then(|set| mesh.uv_sets.iter().position(|uvs| uvs.set == set)).unwrap_or(0);
+        let uv_set = match texcoord {
+            Some(_) => bound_set.and_then(|set| mesh.uv_sets.iter().position(|uvs| uvs.set == set)).unwrap_or(0) as u32,
+            None => NO_MAPS,
+        };
         Part {
             end: group.triangles.end as u32,
             material: material as u32,
             first: group.triangles.start as u32,
             emitter: u32::MAX,
-            uv_set: uv_set as u32,
+            uv_set,
         }
     };
     debug_assert!(!mesh.groups.is_empty(), "mesh `{}` has no groups", geometry.id);

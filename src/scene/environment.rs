@@ -1,13 +1,12 @@
 //! Light from infinitely far away: lat-long images, a constant sky, the CS184 hemisphere.
 
 use std::f32::consts::{FRAC_1_PI, PI, TAU};
-use std::sync::Arc;
 
-use glam::{Mat3, Vec2, Vec3};
+use glam::{Mat3, Vec3};
 
 use super::light::Source;
 use super::texture::Texture;
-use crate::document::{Encoding, Wrap};
+use crate::document::Encoding;
 use crate::math::distribution::Grid;
 use crate::math::warp::{UNIFORM_SPHERE_PDF, square_to_sphere};
 
@@ -21,54 +20,89 @@ pub enum Sky {
 
 /// Radiance by direction: v = 0 at +y, u = atan2(x, -z) / 2 pi, turned by the environment's rotation.
 pub struct SkyImage {
-    texture: Arc<Texture>,
+    width: usize,
+    height: usize,
+    texels: Vec<Vec3>,
     /// Multiplies the texels.
     tint: Source,
     to_image: Mat3,
-    /// Luminance times the sine that the projection squeezes.
+    /// Over the image, for drawing directions.
     density: Option<Grid>,
+    /// Mean radiance over the sphere, averaged over channels.
+    mean: f32,
 }
+
+/// Share of the drawn directions that follow the image's radiance; the others follow what exceeds its mean.
+const PLAIN_SHARE: f32 = 0.1;
 
 impl SkyImage {
     /// `rotation_deg` turns the image about world up, anticlockwise seen from above.
-    pub fn new(texture: Arc<Texture>, tint: Source, rotation_deg: f32) -> Self {
+    ///
+    /// Scattered rays find the broad parts of a sky well enough by themselves: light sampling sees to what is brighter than
+    /// its mean (Karlik et al. 2019, "MIS Compensation"), with a share for the rest so that it also works alone.
+    pub fn new(texture: &Texture, tint: Source, rotation_deg: f32) -> Self {
         let (width, height) = (texture.width(), texture.height());
-        let mut weights = Vec::with_capacity(width * height);
+        let texel = |i: usize| texture.texel(i % width, i / width, Encoding::Linear).truncate();
+        let texels: Vec<Vec3> = (0..width * height).map(texel).collect();
+        let sin = |y: usize| ((y as f32 + 0.5) / height as f32 * PI).sin();
+        // Bilinear lookups reach into the neighbours: a cell has the mean of what it can show.
+        let strength: Vec<f32> = texels.iter().map(|t| t.element_sum().max(0.0)).collect();
+        let blend = |a: f32, b: f32, c: f32| 0.25 * a + 0.5 * b + 0.25 * c;
+        let across = |x: usize, y: usize| {
+            let row = &strength[y * width..(y + 1) * width];
+            blend(row[(x + width - 1) % width], row[x], row[(x + 1) % width])
+        };
+        let mut blurred: Vec<f32> = Vec::with_capacity(strength.len());
         for y in 0..height {
-            let sin = ((y as f32 + 0.5) / height as f32 * PI).sin();
-            for x in 0..width {
-                // Bilinear lookups reach into the neighbours: a cell's weight is the largest of what it can show.
-                let texel = |dx: usize, dy: usize| {
-                    let row = (y + dy).clamp(1, height) - 1;
-                    texture.texel((x + dx + width - 1) % width, row, Encoding::Linear).truncate().element_sum()
-                };
-                let mut around = 0.0;
-                for dy in 0..3 {
-                    for dx in 0..3 {
-                        let share = [0.25, 0.5, 0.25][dx] * [0.25, 0.5, 0.25][dy];
-                        around += share * texel(dx, dy).max(0.0);
-                    }
-                }
-                weights.push(around * sin);
-            }
+            let (above, below) = (y.saturating_sub(1), (y + 1).min(height - 1));
+            blurred.extend((0..width).map(|x| blend(across(x, above), across(x, y), across(x, below))));
         }
-        let density = Grid::new(&weights, width);
-        Self { texture, tint, to_image: Mat3::from_rotation_y(-rotation_deg.to_radians()), density }
+        let (mut sum, mut weight) = (0.0f64, 0.0f64);
+        for (y, row) in blurred.chunks_exact(width).enumerate() {
+            sum += f64::from(sin(y)) * row.iter().map(|&b| f64::from(b)).sum::<f64>();
+            weight += f64::from(sin(y)) * width as f64;
+        }
+        let mean = (sum / weight) as f32;
+        let weigh =
+            |(i, b): (usize, &f32)| (PLAIN_SHARE * b + (1.0 - PLAIN_SHARE) * (b - mean).max(0.0)) * sin(i / width);
+        let weights: Vec<f32> = blurred.iter().enumerate().map(weigh).collect();
+        let tinted: f32 =
+            texels.iter().enumerate().map(|(i, t)| (*t * tint.rgb).element_sum() / 3.0 * sin(i / width)).sum();
+        Self {
+            width,
+            height,
+            density: Grid::new(&weights, width),
+            mean: tinted / weight as f32,
+            texels,
+            tint,
+            to_image: Mat3::from_rotation_y(-rotation_deg.to_radians()),
+        }
     }
 
-    fn radiance(&self, toward: Vec3) -> Source {
-        let uv = self.uv(toward);
-        let texel = self.texture.lookup(Vec2::new(uv.x, 1.0 - uv.y), [Wrap::Repeat, Wrap::Clamp], Encoding::Linear);
-        Source { rgb: texel.truncate() * self.tint.rgb, ..self.tint }
+    /// Bilinear; the image closes around the vertical axis.
+    fn at(&self, uv: [f32; 2]) -> Source {
+        let x = uv[0] * self.width as f32 + (self.width as f32 - 0.5);
+        let y = (uv[1] * self.height as f32 - 0.5).clamp(0.0, (self.height - 1) as f32);
+        let (x0, y0) = (x as usize, y as usize);
+        let (fx, fy) = (x - x0 as f32, y - y0 as f32);
+        let (left, right) = (x0 % self.width, (x0 + 1) % self.width);
+        let row = |y: usize| {
+            let row = &self.texels[y * self.width..(y + 1) * self.width];
+            row[left].lerp(row[right], fx)
+        };
+        let texel = row(y0).lerp(row((y0 + 1).min(self.height - 1)), fy);
+        Source { rgb: texel * self.tint.rgb, ..self.tint }
     }
 
-    fn uv(&self, toward: Vec3) -> Vec2 {
+    fn uv(&self, toward: Vec3) -> [f32; 2] {
         let d = self.to_image * toward;
         let u = d.x.atan2(-d.z) / TAU;
-        Vec2::new(u - u.floor(), d.y.clamp(-1.0, 1.0).acos() * FRAC_1_PI)
+        // The arc cosine has no digits left near the poles.
+        let sin = (d.x * d.x + d.z * d.z).sqrt();
+        [u - u.floor(), sin.atan2(d.y) * FRAC_1_PI]
     }
 
-    fn sample(&self, u: [f32; 2]) -> Option<(Vec3, f32)> {
+    fn sample(&self, u: [f32; 2]) -> Option<(Vec3, f32, Source)> {
         let (point, density) = self.density.as_ref()?.sample(u);
         let (sin_theta, cos_theta) = (point[1] * PI).sin_cos();
         if sin_theta <= 0.0 {
@@ -76,65 +110,42 @@ impl SkyImage {
         }
         let (sin_phi, cos_phi) = (point[0] * TAU).sin_cos();
         let direction = Vec3::new(sin_theta * sin_phi, cos_theta, -sin_theta * cos_phi);
-        Some((self.to_image.transpose() * direction, density / (2.0 * PI * PI * sin_theta)))
+        let pdf = density / (2.0 * PI * PI * sin_theta);
+        Some((self.to_image.transpose() * direction, pdf, self.at(point)))
     }
 
-    fn pdf(&self, toward: Vec3) -> f32 {
-        let Some(density) = &self.density else { return 0.0 };
+    /// What comes from a direction, and the density of drawing it.
+    fn seen(&self, toward: Vec3) -> (Source, f32) {
         let uv = self.uv(toward);
-        let sin_theta = (uv.y * PI).sin();
-        if sin_theta <= 0.0 { 0.0 } else { density.pdf([uv.x, uv.y]) / (2.0 * PI * PI * sin_theta) }
-    }
-
-    /// Mean radiance over the sphere, averaged over channels.
-    fn mean(&self) -> f32 {
-        let (width, height) = (self.texture.width(), self.texture.height());
-        let (mut sum, mut weight) = (0.0f64, 0.0f64);
-        for y in 0..height {
-            let sin = f64::from(((y as f32 + 0.5) / height as f32 * PI).sin());
-            for x in 0..width {
-                let texel = self.texture.texel(x, y, Encoding::Linear).truncate() * self.tint.rgb;
-                sum += sin * f64::from(texel.element_sum() / 3.0);
-                weight += sin;
-            }
-        }
-        (sum / weight) as f32
+        let sin_theta = (uv[1] * PI).sin();
+        let pdf = match &self.density {
+            Some(density) if sin_theta > 0.0 => density.pdf(uv) / (2.0 * PI * PI * sin_theta),
+            _ => 0.0,
+        };
+        (self.at(uv), pdf)
     }
 }
 
 impl Sky {
-    pub fn radiance(&self, toward: Vec3) -> Source {
+    /// A direction, its density in 1/sr, and the radiance from there; `None` when everything is black.
+    pub fn sample(&self, u: [f32; 2]) -> Option<(Vec3, f32, Source)> {
         match self {
-            Self::Constant(source) => *source,
-            Self::Hemisphere(source) if toward.y > 0.0 => *source,
-            Self::Hemisphere(source) => Source { rgb: Vec3::ZERO, ..*source },
-            Self::Image(image) => image.radiance(toward),
-        }
-    }
-
-    /// A direction in proportion to radiance, and its density in 1/sr; `None` when everything is black.
-    pub fn sample(&self, u: [f32; 2]) -> Option<(Vec3, f32)> {
-        match self {
-            Self::Constant(_) => Some((square_to_sphere(u), UNIFORM_SPHERE_PDF)),
-            Self::Hemisphere(_) => {
+            Self::Constant(source) => Some((square_to_sphere(u), UNIFORM_SPHERE_PDF, *source)),
+            Self::Hemisphere(source) => {
                 let d = square_to_sphere(u);
-                Some((Vec3::new(d.x, d.y.abs(), d.z), 2.0 * UNIFORM_SPHERE_PDF))
+                Some((Vec3::new(d.x, d.y.abs(), d.z), 2.0 * UNIFORM_SPHERE_PDF, *source))
             }
             Self::Image(image) => image.sample(u),
         }
     }
 
-    pub fn pdf(&self, toward: Vec3) -> f32 {
+    /// Radiance from a direction, and the density with which [`Sky::sample`] draws it.
+    pub fn seen(&self, toward: Vec3) -> (Source, f32) {
         match self {
-            Self::Constant(_) => UNIFORM_SPHERE_PDF,
-            Self::Hemisphere(_) => {
-                if toward.y > 0.0 {
-                    2.0 * UNIFORM_SPHERE_PDF
-                } else {
-                    0.0
-                }
-            }
-            Self::Image(image) => image.pdf(toward),
+            Self::Constant(source) => (*source, UNIFORM_SPHERE_PDF),
+            Self::Hemisphere(source) if toward.y > 0.0 => (*source, 2.0 * UNIFORM_SPHERE_PDF),
+            Self::Hemisphere(source) => (Source { rgb: Vec3::ZERO, ..*source }, 0.0),
+            Self::Image(image) => image.seen(toward),
         }
     }
 
@@ -143,7 +154,7 @@ impl Sky {
         match self {
             Self::Constant(source) => source.strength(),
             Self::Hemisphere(source) => 0.5 * source.strength(),
-            Self::Image(image) => image.mean(),
+            Self::Image(image) => image.mean,
         }
     }
 }

@@ -158,7 +158,7 @@ impl Lights {
         let Some(choice) = &self.choice else { return };
         for &index in &self.distant {
             let seen = match &self.emitters[index as usize] {
-                Emitter::Sky(sky) => Some((sky.radiance(toward), sky.pdf(toward))),
+                Emitter::Sky(sky) => Some(sky.seen(toward)),
                 Emitter::Directional { toward: axis, one_minus_cos, irradiance } => {
                     let inside = 1.0 - axis.dot(toward) <= *one_minus_cos;
                     inside.then(|| (disc_radiance(irradiance, *one_minus_cos), cone_pdf(*one_minus_cos)))
@@ -205,8 +205,8 @@ impl Emitter {
                 Some(LightSample { wi, distance_m: f32::INFINITY, light, pdf: cone_pdf(*one_minus_cos), alone: false })
             }
             Self::Sky(sky) => {
-                let (wi, pdf) = sky.sample(u)?;
-                let light = LightAt::Radiance(sky.radiance(wi));
+                let (wi, pdf, radiance) = sky.sample(u)?;
+                let light = LightAt::Radiance(radiance);
                 Some(LightSample { wi, distance_m: f32::INFINITY, light, pdf, alone: false })
             }
         }

@@ -14,7 +14,6 @@ use crate::bsdf::{
 use crate::color::{Index, IndexCurve, Sensor};
 use crate::document::{self, Base, Distribution, NormalMap, Scalar, Thickness, Tint};
 use crate::film::{Layer, Range, Side, Stack, Verdict};
-use crate::math::Frame;
 use crate::mode::{FilmPlan, Mode};
 
 pub struct Material<M: Mode> {
@@ -193,6 +192,7 @@ impl<M: Mode> Material<M> {
     }
 
     /// Share of the surface that is there, 0..1.
+    #[inline]
     pub fn coverage(&self, surface: &Surface, textures: &[Arc<Texture>]) -> f32 {
         scalar(&self.opacity, surface, textures).clamp(0.0, 1.0)
     }
@@ -210,19 +210,25 @@ impl<M: Mode> Material<M> {
         self.lets_through
     }
 
-    /// The shading frame, bent by the normal map where there is one.
-    pub fn frame(&self, surface: &Surface, textures: &[Arc<Texture>]) -> Frame {
-        let Some(normal_map) = &self.normal_map else { return surface.frame };
-        let normal = surface.frame.normal;
-        let Some(tangent) = (surface.dpdu - normal * normal.dot(surface.dpdu)).try_normalize() else {
-            return surface.frame;
-        };
-        let texel = lookup_rgb(textures, &normal_map.map, surface.uv) * 2.0 - 1.0;
-        let bent = tangent * (texel.x * normal_map.scale)
-            + normal.cross(tangent) * (texel.y * normal_map.scale)
-            + normal * texel.z.max(1e-3);
-        Frame::new(bent.normalize())
+    /// The shading normal, bent by the normal map where there is one.
+    #[inline]
+    pub fn normal(&self, surface: &Surface, textures: &[Arc<Texture>]) -> Vec3 {
+        match &self.normal_map {
+            Some(normal_map) => bent(normal_map, surface, textures),
+            None => surface.normal,
+        }
     }
+}
+
+/// The shading normal under a normal map.
+fn bent(normal_map: &NormalMap, surface: &Surface, textures: &[Arc<Texture>]) -> Vec3 {
+    let normal = surface.normal;
+    let Some(tangent) = (surface.dpdu - normal * normal.dot(surface.dpdu)).try_normalize() else { return normal };
+    let texel = lookup_rgb(textures, &normal_map.map, surface.uv) * 2.0 - 1.0;
+    let bent = tangent * (texel.x * normal_map.scale)
+        + normal.cross(tangent) * (texel.y * normal_map.scale)
+        + normal * texel.z.max(1e-3);
+    bent.normalize()
 }
 
 /// The roughness where no image varies it.
@@ -230,6 +236,7 @@ fn constant_alpha(microfacets: &document::Microfacets) -> Option<f32> {
     microfacets.roughness.map.is_none().then_some(microfacets.roughness.value.clamp(0.0, 1.0))
 }
 
+#[inline]
 fn scalar(value: &Scalar, surface: &Surface, textures: &[Arc<Texture>]) -> f32 {
     match &value.map {
         Some(map) => lookup_scalar(textures, map, surface.uv),

@@ -28,8 +28,9 @@ use texture::{Texture, lookup_rgb};
 use thiserror::Error;
 
 use crate::color::IndexError;
-use crate::embree::{EmbreeError, Ray};
+use crate::embree::{EmbreeError, Hits, Ray};
 use crate::film::{Rung, Verdict};
+use crate::math::Frame;
 use crate::mode::{Lanes, Mode};
 
 /// Surfaces that one shadow ray may pass through.
@@ -48,7 +49,6 @@ pub struct Scene<M: Mode> {
     pub stage: Arc<Stage>,
     materials: Vec<Material<M>>,
     spectra: Vec<M::Spectrum>,
-    /// True when shadow rays must look at what they meet instead of only whether they meet anything.
     lets_through: bool,
     /// Seconds that compiling the materials took.
     pub materials_s: f64,
@@ -91,6 +91,20 @@ impl<M: Mode> Scene<M> {
     pub fn intersect(&self, ray: &Ray) -> Option<Surface<'_>> {
         let hit = self.stage.accel.intersect(ray)?;
         Some(Surface::new(&self.stage.accel, &self.stage.places[hit.place() as usize], &hit))
+    }
+
+    /// The surface that a ray of a batch met.
+    #[inline]
+    pub fn surface(&self, hits: &Hits, lane: usize) -> Option<Surface<'_>> {
+        let hit = hits.get(lane)?;
+        Some(Surface::new(&self.stage.accel, &self.stage.places[hit.place() as usize], &hit))
+    }
+
+    /// True when shadow rays must look at what they meet ([`Scene::transmittance`]) instead of only whether they meet
+    /// anything.
+    #[inline]
+    pub fn lets_through(&self) -> bool {
+        self.lets_through
     }
 
     #[inline]
@@ -149,10 +163,6 @@ impl<M: Mode> Scene<M> {
     /// would have passed everything in between. Shadow rays count in `rays`.
     pub fn transmittance(&self, ray: &Ray, waves: &M::Waves, rays: &mut u64) -> (M::Light, f32) {
         *rays += 1;
-        if !self.lets_through {
-            let blocked = self.stage.accel.occluded(ray);
-            return if blocked { (M::Light::ZERO, 0.0) } else { (M::Light::ONE, 1.0) };
-        }
         let (mut light, mut probability) = (M::Light::ONE, 1.0);
         let mut ray = *ray;
         for _ in 0..MAX_THROUGH {
@@ -180,8 +190,8 @@ impl<M: Mode> Scene<M> {
         }
         let textures = self.textures();
         let coverage = material.coverage(surface, textures);
-        let straight =
-            material.bsdf(surface, textures, waves).through(material.frame(surface, textures).to_local(wo), waves);
+        let frame = Frame::new(material.normal(surface, textures));
+        let straight = material.bsdf(surface, textures, waves).through(frame.to_local(wo), waves);
         let hole = 1.0 - coverage;
         match straight {
             None if hole > 0.0 => Some((M::Light::splat(hole), hole)),

@@ -14,7 +14,7 @@ use super::surface::{Glow, Place};
 use super::texture::Texture;
 use crate::color::{Emission, Sensor};
 use crate::document::{self, Document, Scalar};
-use crate::embree::{Accel, AccelBuilder};
+use crate::embree::{Accel, AccelBuilder, BATCH, Hits, Ray};
 
 pub struct Stage {
     pub(super) accel: Accel,
@@ -35,6 +35,18 @@ pub struct Stage {
 }
 
 impl Stage {
+    /// What the `active` rays (bit i for ray i) meet first, for [`Scene::surface`](super::Scene::surface).
+    #[inline]
+    pub fn intersect_batch(&self, rays: &[Ray; BATCH], active: u8) -> Hits {
+        self.accel.intersect_batch(rays, active)
+    }
+
+    /// Which of the `active` rays (bit i for ray i) meet any surface, whatever it is made of.
+    #[inline]
+    pub fn occluded_batch(&self, rays: &[Ray; BATCH], active: u8) -> u8 {
+        self.accel.occluded_batch(rays, active)
+    }
+
     /// `threads` share the building; 0 = all.
     ///
     /// # Errors
@@ -65,9 +77,7 @@ impl Stage {
         if let Some(environment) = &document.environment {
             let tint = assembly.source(environment.radiance * environment.strength, &environment.spectrum);
             let sky = match environment.image {
-                Some(image) => {
-                    Sky::Image(Box::new(SkyImage::new(textures[image].clone(), tint, environment.rotation_deg)))
-                }
+                Some(image) => Sky::Image(Box::new(SkyImage::new(&textures[image], tint, environment.rotation_deg))),
                 None => Sky::Constant(tint),
             };
             assembly.emitters.push(Emitter::Sky(sky));

@@ -7,7 +7,6 @@ use glam::{Affine3A, Mat3, Vec2, Vec3};
 
 use crate::document;
 use crate::embree::{Accel, Hit, Shape};
-use crate::math::Frame;
 
 /// A shape in the world, as shading sees it.
 pub struct Place {
@@ -59,9 +58,12 @@ pub struct Part {
     /// Emitter number of the part's first triangle (`first`), the others follow; `u32::MAX` when it does not shine.
     pub first: u32,
     pub emitter: u32,
-    /// Index into [`Shading::uv_sets`] for the material's maps.
+    /// Index into [`Shading::uv_sets`] for the material's maps; [`NO_MAPS`] when it has none.
     pub uv_set: u32,
 }
+
+/// The `uv_set` of a part that needs no texture coordinates.
+pub const NO_MAPS: u32 = u32::MAX;
 
 /// Vertex data that only shading reads.
 #[derive(Default)]
@@ -77,8 +79,9 @@ pub struct Surface<'s> {
     pub position: Vec3,
     /// Outward geometric normal, unit length.
     pub ng: Vec3,
-    /// Shading frame around the (possibly interpolated) normal.
-    pub frame: Frame,
+    /// Shading normal, unit length: the geometric one, or interpolated between vertices.
+    pub normal: Vec3,
+    /// Zero where the material has no maps.
     pub uv: Vec2,
     /// dP/du, for tangent-space normals; zero where texture coordinates do not define it.
     pub dpdu: Vec3,
@@ -94,6 +97,7 @@ pub struct Surface<'s> {
 const POSITION_ERROR: f32 = 1e-6;
 
 impl<'s> Surface<'s> {
+    #[inline]
     pub fn new(accel: &Accel, place: &'s Place, hit: &Hit) -> Self {
         match &place.body {
             Body::Mesh(shading) => Self::on_triangle(accel, place, shading, hit),
@@ -114,6 +118,7 @@ impl<'s> Surface<'s> {
         Self::new(accel, place, &Hit { t: 0.0, u, v, ng, prim, geom: 0, instance: 0 })
     }
 
+    #[inline]
     fn on_triangle(accel: &Accel, place: &'s Place, shading: &Shading, hit: &Hit) -> Self {
         let part = place.part(hit.prim);
         let [i0, i1, i2] = accel.triangles(place.shape)[hit.prim as usize].map(|i| i as usize);
@@ -145,7 +150,7 @@ impl<'s> Surface<'s> {
         Self {
             position,
             ng,
-            frame: Frame::new(normal),
+            normal,
             uv,
             dpdu,
             place,
@@ -160,12 +165,15 @@ impl<'s> Surface<'s> {
         // Centre plus normal is more exact than origin plus t times direction.
         let position = place.to_world.transform_point3(center + hit.ng);
         let ng = (place.normal_to_world * hit.ng).normalize();
-        let local = (place.to_object.transform_vector3(ng)).normalize();
-        let uv = Vec2::new(0.5 + local.z.atan2(local.x) / TAU, 0.5 + local.y.clamp(-1.0, 1.0).asin() / PI);
+        let mut uv = Vec2::ZERO;
+        if part.uv_set != NO_MAPS {
+            let local = (place.to_object.transform_vector3(ng)).normalize();
+            uv = Vec2::new(0.5 + local.z.atan2(local.x) / TAU, 0.5 + local.y.clamp(-1.0, 1.0).asin() / PI);
+        }
         Self {
             position,
             ng,
-            frame: Frame::new(ng),
+            normal: ng,
             uv,
             dpdu: Vec3::new(-ng.z, 0.0, ng.x),
             place,

@@ -1,0 +1,69 @@
+//! A surface point with its scattering, ready for one step of a path.
+
+use glam::Vec3;
+
+use crate::bsdf::Bsdf;
+use crate::math::Frame;
+use crate::mode::Mode;
+use crate::scene::{Material, Scene, Surface};
+
+/// Smallest cosine between a bent shading normal and the viewer.
+const GRAZING: f32 = 1e-3;
+
+pub(super) struct Vertex<'s, M: Mode> {
+    pub surface: Surface<'s>,
+    pub material: &'s Material<M>,
+    pub frame: Frame,
+    pub bsdf: Bsdf<'s, M>,
+    /// Towards where the path came from, local frame.
+    pub wo: Vec3,
+    /// Absorption on the side of `wo`, linear RGB per metre.
+    pub absorption_per_m: Vec3,
+    /// True when the interpolated normal had to be bent to face the viewer: scattering then depends on where that is.
+    pub bent: bool,
+}
+
+impl<'s, M: Mode> Vertex<'s, M> {
+    #[inline]
+    pub fn new(
+        scene: &'s Scene<M>,
+        surface: Surface<'s>,
+        toward_viewer: Vec3,
+        absorption_per_m: Vec3,
+        waves: &M::Waves,
+    ) -> Self {
+        let material = scene.material(&surface);
+        let (frame, bent) = facing(material.normal(&surface, scene.textures()), surface.ng, toward_viewer);
+        let bsdf = material.bsdf(&surface, scene.textures(), waves);
+        let wo = frame.to_local(toward_viewer);
+        Self { surface, material, frame, bsdf, wo, absorption_per_m, bent }
+    }
+
+    /// The local direction, unless interpolated normal and real surface disagree about its side.
+    #[inline]
+    pub fn local(&self, wi: Vec3) -> Option<Vec3> {
+        let local = self.frame.to_local(wi);
+        (local.z * wi.dot(self.surface.ng) > 0.0).then_some(local)
+    }
+
+    /// True when a viewer in direction `toward` would see this surface from the same side and through the same normal.
+    #[inline]
+    pub fn looks_the_same(&self, toward: Vec3) -> bool {
+        let side = 1.0f32.copysign(self.wo.z);
+        !self.bent && self.frame.normal.dot(toward) * side >= GRAZING && self.surface.ng.dot(toward) * side > 0.0
+    }
+}
+
+/// The shading frame, its normal on the outward side and bent as far as needed to face the viewer on the side that is
+/// really seen: an interpolated normal near a silhouette may not.
+#[inline]
+fn facing(normal: Vec3, ng: Vec3, toward_viewer: Vec3) -> (Frame, bool) {
+    let normal = normal * 1.0f32.copysign(normal.dot(ng));
+    let side = 1.0f32.copysign(toward_viewer.dot(ng));
+    let cos = normal.dot(toward_viewer) * side;
+    if cos >= GRAZING {
+        return (Frame::new(normal), false);
+    }
+    let across = normal - toward_viewer * normal.dot(toward_viewer);
+    (Frame::new((across + toward_viewer * (side * GRAZING)).normalize()), true)
+}
