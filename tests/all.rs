@@ -12,7 +12,9 @@ mod compare; // `pellicle compare`, variance layers, and what says that it is bi
 mod embree; // layouts and hits against closed forms
 mod film; // the optics against independent truth tables
 mod film_command; // `pellicle film` against the same tables; errors that help; drawings
+mod golden; // shipped scenes against stored pictures
 mod house; // the order of the rooms, where unsafe may be, files that stay readable
 mod output; // files are whole or absent
+mod stability; // where methods fail: finite, bounded, continuous at every extreme
 mod statistics; // the tests' own tools
 mod transport; // closed forms, strategies agree, threads do not matter

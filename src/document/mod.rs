@@ -26,7 +26,7 @@ pub use texture::{Channel4, Encoding, Image, ImageSource, Map, NormalMap, Scalar
 
 use std::path::PathBuf;
 
-use glam::Mat4;
+use glam::{Mat4, Vec3};
 
 /// Everything one scene file holds.
 #[derive(Clone, Debug, Default)]
@@ -68,12 +68,26 @@ pub struct RenderHints {
     pub camera: Option<String>,
 }
 
+/// A scene further from the origin than this many times its own size is moved there: the digits of f32 are spent on the
+/// distance else, and light leaks through walls.
+const FAR: f32 = 8.0;
+
 impl Document {
     /// World matrix of every reachable node instance that carries items, in depth-first order: (node, node-to-world).
-    /// A node reached along several paths appears once for each.
+    /// A node reached along several paths appears once for each. The world's origin is the file's, but for scenes far away
+    /// from it the middle of their geometry.
     pub fn placements(&self) -> Vec<(usize, Mat4)> {
+        let placed = self.placed(self.to_world);
+        match self.far_center(&placed) {
+            // Before the nodes' own transforms are applied: distances cancel while they are still exact.
+            Some(center) => self.placed(Mat4::from_translation(-center) * self.to_world),
+            None => placed,
+        }
+    }
+
+    fn placed(&self, to_world: Mat4) -> Vec<(usize, Mat4)> {
         let mut placed = Vec::new();
-        let mut stack: Vec<(usize, Mat4)> = self.roots.iter().rev().map(|&root| (root, self.to_world)).collect();
+        let mut stack: Vec<(usize, Mat4)> = self.roots.iter().rev().map(|&root| (root, to_world)).collect();
         while let Some((index, parent)) = stack.pop() {
             let node = &self.nodes[index];
             let to_world = parent * node.local();
@@ -98,5 +112,27 @@ impl Document {
             }
         }
         under
+    }
+
+    /// The middle of all geometry, if that is far from the origin.
+    fn far_center(&self, placed: &[(usize, Mat4)]) -> Option<Vec3> {
+        // Matrices alone carry scenes away: vertices that are written far out have lost their digits already.
+        if placed.iter().all(|(_, to_world)| to_world.w_axis.truncate() == Vec3::ZERO) {
+            return None;
+        }
+        let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        for (node, to_world) in placed {
+            for item in &self.nodes[*node].items {
+                let Item::Geometry { geometry, .. } = item else { continue };
+                let Some((least, most)) = self.geometries[*geometry].shape.bounds() else { continue };
+                for corner in 0..8 {
+                    let pick = |axis: usize| if corner >> axis & 1 == 1 { most[axis] } else { least[axis] };
+                    let point = to_world.transform_point3(Vec3::new(pick(0), pick(1), pick(2)));
+                    (low, high) = (low.min(point), high.max(point));
+                }
+            }
+        }
+        let center = 0.5 * (low + high);
+        (center.is_finite() && center.length() > FAR * (high - low).length()).then_some(center)
     }
 }

@@ -1,6 +1,6 @@
 //! What a coated surface is made of.
 
-use crate::color::IndexCurve;
+use crate::color::{IndexCurve, NOMINAL_NM};
 
 /// Light reflected from a surface and transmitted into the medium behind it, as shares of what arrives. What is missing to
 /// 1 was absorbed in the layers.
@@ -79,6 +79,13 @@ impl Stack {
     /// True when no layer absorbs at any wavelength: what is not reflected enters the base.
     pub(super) fn lossless_layers(&self) -> bool {
         self.layers.iter().all(|layer| layer.index.max_k() == 0.0)
+    }
+
+    /// The side with the smaller index (at the d line), whose cosine covers every direction in which light gets through;
+    /// outside for metals.
+    pub(super) fn rarer_side(&self) -> Side {
+        let [outside, base] = [&self.outside, &self.base].map(|medium| medium.at(NOMINAL_NM).re);
+        if self.opaque_base() || outside <= base { Side::Outside } else { Side::Inside }
     }
 
     /// True when light inside the base never reaches the surface: metals.
