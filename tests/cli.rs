@@ -8,10 +8,16 @@ use std::time::{Duration, Instant};
 
 use pellicle::output::{is_complete, read_exr};
 
+#[path = "cli/encode.rs"]
+mod encode;
 #[path = "cli/faults.rs"]
 mod faults;
+#[path = "cli/merge.rs"]
+mod merge;
 #[path = "cli/signals.rs"]
 mod signals;
+#[path = "cli/slurm.rs"]
+mod slurm;
 
 /// An empty folder with the name of its test, removed at the end.
 struct Folder(PathBuf);
@@ -269,7 +275,7 @@ fn check_survives_a_reader_that_goes_away() {
 #[test]
 fn help_shows_an_example_of_every_subcommand() {
     let overview = succeed(&["--help"]).stdout;
-    for subcommand in ["render", "check"] {
+    for subcommand in ["render", "check", "merge", "encode"] {
         assert!(overview.contains(&format!("  {subcommand}")), "{overview}");
         let help = succeed(&[subcommand, "--help"]).stdout;
         assert!(help.contains(&format!("  pellicle {subcommand} ")), "{help}");

@@ -7,9 +7,10 @@ use std::time::Instant;
 use super::stats::{FilmStats, Stats};
 use crate::document::{Document, Shape};
 use crate::error::Error;
+use crate::film::Verdict;
 use crate::mode::Mode;
 use crate::output::{self, Format, HeaderValue, Picture, PngDepth, Written};
-use crate::render::{self, Frame, Plan, Watch};
+use crate::render::{self, Accumulation, Frame, Plan, Watch};
 use crate::scene::{BuildError, Camera, FilmOptions, Framing, Placed, Scene, Stage};
 
 /// What is to be made, with every default filled in.
@@ -20,11 +21,7 @@ pub struct StillPlan {
     pub framing: Framing,
     pub films: FilmOptions,
     pub render: Plan,
-    /// PNG only.
-    pub exposure_ev: f32,
-    pub png_depth: PngDepth,
-    /// 32-bit EXR.
-    pub float: bool,
+    pub look: Look,
     /// Largest number of bytes for the picture; `None`: what the machine has left.
     pub max_memory: Option<u64>,
 }
@@ -97,6 +94,11 @@ impl<M: Mode> Prepared<M> {
         Ok(render::render(&self.scene, &self.camera, &plan.render, watch)?)
     }
 
+    /// Adds what `sums` lacks; as [`render`](Self::render).
+    pub fn accumulate(&self, plan: &StillPlan, sums: &mut Accumulation, watch: &dyn Watch) -> Result<(), Error> {
+        Ok(render::accumulate(&self.scene, &self.camera, &plan.render, sums, watch)?)
+    }
+
     /// All that is known before the picture is written; [`Stats::finish`] adds the rest.
     pub fn stats(&self, document: &Document, plan: &StillPlan, frame: &Frame, parse_s: f64) -> Stats {
         let stage = &self.scene.stage;
@@ -129,45 +131,66 @@ impl<M: Mode> Prepared<M> {
             samples_per_s: samples / frame.render_s,
             mrays_per_s: rays as f64 * 1e-6 / frame.render_s,
             non_finite: frame.tally.non_finite,
+            beyond_range: frame.tally.beyond_range,
             clamped: 0,
             out_of_gamut: 0,
             peak_rss_mb: render::peak_rss_mb(),
-            films: self
-                .scene
-                .verdicts()
-                .map(|(material, verdict)| FilmStats { material: material.to_owned(), verdict: verdict.clone() })
-                .collect(),
+            films: self.films(),
         }
     }
 
-    /// The frame with the header that tells how it was made.
-    pub fn picture(&self, frame: &Frame, stats: &Stats) -> Picture {
+    /// What the picture's file will tell of how it was made, but for samples and times.
+    pub fn header(&self, document: &Document, plan: &StillPlan) -> Vec<(String, HeaderValue)> {
         let text = |value: &str| HeaderValue::Text(value.to_owned());
-        let header = vec![
-            ("pellicle/version".to_owned(), text(stats.version)),
-            ("pellicle/scene".to_owned(), text(&stats.scene)),
-            ("pellicle/sceneHash".to_owned(), text(&stats.scene_sha256)),
-            ("pellicle/mode".to_owned(), text(stats.mode)),
-            ("pellicle/seed".to_owned(), HeaderValue::Int(stats.seed as i32)),
-            ("pellicle/sampleRange".to_owned(), text(&format!("0-{}", stats.spp))),
-            ("pellicle/films".to_owned(), text(&serde_json::to_string(&stats.films).unwrap_or_default())),
-            ("samplesPerPixel".to_owned(), HeaderValue::Int(stats.spp as i32)),
-            ("renderTimeSeconds".to_owned(), HeaderValue::Float(stats.render_s as f32)),
-        ];
-        let rgba = frame.rgb.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect();
-        Picture { width: frame.width, height: frame.height, crop: None, rgba, layers: Vec::new(), header }
+        vec![
+            ("pellicle/version".to_owned(), text(env!("CARGO_PKG_VERSION"))),
+            ("pellicle/scene".to_owned(), text(&document.path.display().to_string())),
+            ("pellicle/sceneHash".to_owned(), text(&document.sha256)),
+            ("pellicle/mode".to_owned(), text(M::NAME)),
+            ("pellicle/seed".to_owned(), HeaderValue::Int(plan.render.seed as i32)),
+            ("pellicle/films".to_owned(), text(&serde_json::to_string(&self.films()).unwrap_or_default())),
+        ]
     }
+
+    fn films(&self) -> Vec<FilmStats> {
+        let named = |(material, verdict): (&str, &Verdict)| FilmStats {
+            material: material.to_owned(),
+            verdict: verdict.clone(),
+        };
+        self.scene.verdicts().map(named).collect()
+    }
+}
+
+/// The frame, with what is known of how it was made ([`Prepared::header`]).
+pub fn picture(frame: &Frame, mut header: Vec<(String, HeaderValue)>) -> Picture {
+    header.extend([
+        ("pellicle/sampleRange".to_owned(), HeaderValue::Text(format!("0-{}", frame.spp))),
+        ("samplesPerPixel".to_owned(), HeaderValue::Int(frame.spp as i32)),
+        ("renderTimeSeconds".to_owned(), HeaderValue::Float(frame.render_s as f32)),
+    ]);
+    let rgba = frame.rgb.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect();
+    Picture { width: frame.width, height: frame.height, crop: None, rgba, layers: Vec::new(), header }
+}
+
+/// How pictures are written.
+#[derive(Clone, Copy, Debug)]
+pub struct Look {
+    /// PNG only.
+    pub exposure_ev: f32,
+    pub png_depth: PngDepth,
+    /// 32-bit EXR.
+    pub float: bool,
 }
 
 /// Writes the picture in the format that its name asks for, and says how long that took.
 ///
 /// # Errors
 /// The file cannot be written; an old file of that name is untouched then.
-pub fn write(path: &Path, format: Format, picture: &Picture, plan: &StillPlan) -> Result<(Written, f64), Error> {
+pub fn write(path: &Path, format: Format, picture: &Picture, look: Look) -> Result<(Written, f64), Error> {
     let start = Instant::now();
     let written = match format {
-        Format::Exr => output::write_exr(path, picture, plan.float)?,
-        Format::Png => output::write_png(path, picture, plan.exposure_ev, plan.png_depth)?,
+        Format::Exr => output::write_exr(path, picture, look.float)?,
+        Format::Png => output::write_png(path, picture, look.exposure_ev, look.png_depth)?,
     };
     Ok((written, start.elapsed().as_secs_f64()))
 }

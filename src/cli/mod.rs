@@ -1,9 +1,12 @@
 //! The command line. The only room that prints.
 
 mod check;
+mod encode;
 mod film;
+mod merge;
 mod progress;
 mod render;
+mod sampling;
 mod scene_args;
 
 use std::io::Write;
@@ -25,9 +28,11 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    Render(render::RenderArgs),
+    Render(Box<render::RenderArgs>),
     Check(check::CheckArgs),
     Film(Box<film::FilmArgs>),
+    Merge(merge::MergeArgs),
+    Encode(encode::EncodeArgs),
 }
 
 /// Runs the program: 0 when all is done, else the code that [`Error::exit_code`] documents.
@@ -37,6 +42,8 @@ pub fn main() -> ExitCode {
         Command::Render(args) => render::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Film(args) => film::run(&args),
+        Command::Merge(args) => merge::run(&args),
+        Command::Encode(args) => encode::run(&args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,5 +1,6 @@
 //! `pellicle render`: one picture.
 
+use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -8,17 +9,19 @@ use clap::{Args, ValueEnum};
 use signal_hook::consts::{SIGINT, SIGTERM};
 
 use super::progress::{Progress, ProgressArg};
-use super::say;
+use super::sampling::{SamplingArgs, Target};
 use super::scene_args::{FramingArg, SceneArgs};
-use crate::batch::still::{self, StillPlan};
+use super::{print, say};
+use crate::batch::checkpoint::Saver;
+use crate::batch::still::{self, Look, StillPlan};
 use crate::batch::{Transport, choose_mode};
 use crate::document::{Document, RenderHints};
 use crate::error::Error;
 use crate::film::Rung;
 use crate::integrate::{PathLimits, Strategy};
 use crate::mode::{Mode, Rgb, Spectral};
-use crate::output::{self, Format, PngDepth};
-use crate::render::{Filter, Frame, Plan};
+use crate::output::{self, PngDepth};
+use crate::render::{Accumulation, Filter, Plan};
 use crate::scene::{Camera, FilmOptions, Stage};
 
 /// Render a picture of a scene
@@ -84,6 +87,8 @@ pub struct RenderArgs {
     /// Write 32-bit instead of 16-bit floats to EXR
     #[arg(long)]
     float: bool,
+    #[command(flatten)]
+    sampling: SamplingArgs,
     /// Most memory for the picture, like `8G` or `500M` [default: what the machine has left]
     #[arg(long, value_name = "SIZE", value_parser = parse_bytes)]
     max_memory: Option<u64>,
@@ -174,7 +179,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Error> {
         }
     };
     // Find out now, not after hours, whether the results can be written.
-    let format = output::check_picture(&args.output)?;
+    let target = args.sampling.target(&args.output)?;
     if let Some(stats) = &args.stats {
         output::check_writable(stats)?;
     }
@@ -203,7 +208,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Error> {
             transport
         }
     };
-    let job = Job { args, document: &document, plan: &plan, stage: &stage, camera: &camera, format, parse_s };
+    let job = Job { args, document: &document, plan: &plan, stage: &stage, camera: &camera, target, parse_s };
     match (transport, args.wavelengths.as_str()) {
         (Transport::Rgb, _) => job.render::<Rgb>(),
         (Transport::Spectral, "4") => job.render::<Spectral<4>>(),
@@ -219,7 +224,7 @@ struct Job<'a> {
     plan: &'a StillPlan,
     stage: &'a Arc<Stage>,
     camera: &'a Camera,
-    format: Format,
+    target: Target,
     parse_s: f64,
 }
 
@@ -231,42 +236,98 @@ impl Job<'_> {
                 say(line);
             }
         };
+        let samples = args.sampling.range(plan.render.spp)?;
         let prepared = still::prepare::<M>(document, plan, self.stage, self.camera)?;
         // Until here a signal simply ends the program: there is nothing to save yet.
         let signal = signals();
         inform(&prepared.summary(document, plan));
 
+        let saver = match self.in_pieces() {
+            true => Some(Saver::new(&prepared, document, plan, args.scene.reading(), &args.output)?),
+            false => None,
+        };
+        let earlier = match (&saver, args.sampling.resume) {
+            (Some(saver), true) => self.earlier(saver, &samples)?,
+            _ => None,
+        };
+        let mut sums = earlier.unwrap_or_else(|| Accumulation::new(prepared.camera.size, samples));
         let style = if args.quiet { ProgressArg::None } else { args.progress };
-        let [width, height] = prepared.camera.size;
-        let samples = u64::from(width) * u64::from(height) * u64::from(plan.render.spp);
-        let progress = Progress::new(style, samples, signal.clone());
-        let frame = prepared.render(plan, &progress)?;
+        let [width, height] = sums.size;
+        let left = sums.samples.len() as u64 - u64::from(sums.spp());
+        let progress = Progress::new(style, u64::from(width) * u64::from(height) * left, signal.clone());
+        match (&saver, args.sampling.checkpoint()) {
+            (Some(saver), Some(every)) => saver.accumulate(&mut sums, every, &progress)?,
+            _ => prepared.accumulate(plan, &mut sums, &progress)?,
+        }
         progress.finish();
 
-        let stopped = stopped(&signal, &frame, plan);
-        if frame.spp == 0 {
+        let stopped = self.stopped(saver.as_ref(), &signal, &sums);
+        if !sums.is_complete() && (saver.is_some() || sums.spp() == 0) {
             return stopped;
         }
+        if let (Some(saver), Target::Part) = (&saver, self.target) {
+            saver.save(&args.output, &sums)?;
+        }
+        let frame = sums.into_frame();
         let mut stats = prepared.stats(document, plan, &frame, self.parse_s);
-        let picture = prepared.picture(&frame, &stats);
-        let (written, write_s) = still::write(&args.output, self.format, &picture, plan)?;
-        stats.finish(&written, write_s);
+        if let Target::Picture(format) = self.target {
+            let picture = still::picture(&frame, prepared.header(document, plan));
+            let (written, write_s) = still::write(&args.output, format, &picture, plan.look)?;
+            stats.finish(&written, write_s);
+        }
+        if let Some(saver) = &saver {
+            saver.forget();
+        }
         if let Some(path) = &args.stats {
             output::write_text(path, &stats.to_json())?;
         }
         inform(&stats.summary(&args.output));
+        if args.sampling.hash {
+            print(&format!("{}\n", frame.sha256()))?;
+        }
         stopped
     }
-}
 
-/// The error that a signal makes of a render that is shorter for it.
-fn stopped(signal: &AtomicUsize, frame: &Frame, plan: &StillPlan) -> Result<(), Error> {
-    if frame.spp == plan.render.spp {
-        return Ok(());
+    /// What `--resume` goes on from, if anything.
+    fn earlier<M: Mode>(&self, saver: &Saver<M>, samples: &Range<u32>) -> Result<Option<Accumulation>, Error> {
+        let inform = |line: &str| {
+            if !self.args.quiet {
+                say(line);
+            }
+        };
+        match saver.restore(&saver.checkpoint, samples, inform)? {
+            // A part that is done already is not rendered again.
+            None if self.target == Target::Part => saver.restore(&self.args.output, samples, inform),
+            sums => Ok(sums),
+        }
     }
-    let signal = signal.load(Ordering::Relaxed) as i32;
-    let name = if signal == SIGINT { "SIGINT" } else { "SIGTERM" };
-    Err(Error::Interrupted { signal, name, done: frame.spp, wanted: plan.render.spp })
+
+    /// The sums themselves go into a file, or may.
+    fn in_pieces(&self) -> bool {
+        self.target == Target::Part || self.args.sampling.checkpoint().is_some()
+    }
+
+    /// The error that a signal makes of a render that is shorter for it.
+    fn stopped<M: Mode>(
+        &self,
+        saver: Option<&Saver<M>>,
+        signal: &AtomicUsize,
+        sums: &Accumulation,
+    ) -> Result<(), Error> {
+        if sums.is_complete() {
+            return Ok(());
+        }
+        let signal = signal.load(Ordering::Relaxed) as i32;
+        let name = if signal == SIGINT { "SIGINT" } else { "SIGTERM" };
+        let (done, wanted) = (sums.spp(), sums.samples.len() as u32);
+        match saver {
+            Some(saver) if self.args.sampling.checkpoint().is_some() => {
+                Err(Error::Suspended { name, done, wanted, checkpoint: saver.checkpoint.clone() })
+            }
+            Some(_) => Err(Error::Interrupted { signal, name, done: 0, wanted }),
+            None => Err(Error::Interrupted { signal, name, done, wanted }),
+        }
+    }
 }
 
 impl RenderArgs {
@@ -314,9 +375,11 @@ impl RenderArgs {
                     },
                 },
             },
-            exposure_ev: self.exposure.or(hints.exposure_ev).unwrap_or(0.0),
-            png_depth: if self.png_depth == "16" { PngDepth::Sixteen } else { PngDepth::Eight },
-            float: self.float,
+            look: Look {
+                exposure_ev: self.exposure.or(hints.exposure_ev).unwrap_or(0.0),
+                png_depth: if self.png_depth == "16" { PngDepth::Sixteen } else { PngDepth::Eight },
+                float: self.float,
+            },
             max_memory: self.max_memory,
         }
     }

@@ -83,7 +83,16 @@ impl From<FramingArg> for Framing {
 
 impl SceneArgs {
     pub fn load(&self) -> Result<(Document, Vec<Warning>), Error> {
-        let options = LoadOptions {
+        Ok(collada::load(&self.scene, &self.options())?)
+    }
+
+    /// How the file is read, as far as the pictures depend on it: not where images may lie.
+    pub fn reading(&self) -> String {
+        format!("{:?}", LoadOptions { allow_path: Vec::new(), ..self.options() })
+    }
+
+    fn options(&self) -> LoadOptions {
+        LoadOptions {
             allow_path: self.allow_path.clone(),
             lenient: self.lenient,
             smooth_normals: self.smooth_normals,
@@ -103,7 +112,6 @@ impl SceneArgs {
                 MissingTextureArg::Magenta => MissingTexture::Magenta,
             },
             ..LoadOptions::default()
-        };
-        Ok(collada::load(&self.scene, &options)?)
+        }
     }
 }

@@ -3,19 +3,27 @@
 //!
 //! This room takes plain numbers ([`Picture`]) and knows nothing of how they were made.
 
+mod apng;
 mod atomic;
+mod display;
 mod error;
 mod exr_read;
 mod exr_write;
+mod part;
 mod picture;
 mod png;
+mod video;
 
+pub use apng::write_apng;
 pub use atomic::{check_writable, write_text};
+pub use display::{Codes, picture_size, read_codes};
 pub use error::OutputError;
 pub use exr_read::read_exr;
 pub use exr_write::write_exr;
+pub use part::{PartBlock, PartReader, write_part};
 pub use picture::{Crop, Format, HeaderValue, Layer, LayerKind, Picture, Written};
 pub use png::{PngDepth, write_png};
+pub use video::{Container, VideoPlan, check_ffmpeg, write_video};
 
 use std::path::Path;
 

@@ -33,7 +33,7 @@ pub struct SkyImage {
 }
 
 /// Share of the drawn directions that follow the image's radiance; the others follow what exceeds its mean.
-const PLAIN_SHARE: f32 = 0.1;
+const PLAIN_SHARE: f32 = 0.02;
 
 impl SkyImage {
     /// `rotation_deg` turns the image about world up, anticlockwise seen from above.
