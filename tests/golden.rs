@@ -23,7 +23,7 @@ const SIZE: [u32; 2] = [40, 30];
 const SPP: u32 = 16;
 /// 64 times as many: the reference's own noise hardly counts.
 const REFERENCE_SPP: u32 = 1024;
-const LIMITS: PathLimits = PathLimits { max_bounces: 12, strategy: Strategy::Mis };
+const LIMITS: PathLimits = PathLimits { max_bounces: 12, strategy: Strategy::Shared };
 
 /// Mean and variance of the mean, per pixel and channel.
 struct Reference {

@@ -14,6 +14,7 @@ use super::print;
 use super::render::{PictureArgs, TalkArgs, signals};
 use super::scene_args::SceneArgs;
 use crate::batch::budget::Budget;
+use crate::batch::encode::{EncodePlan, Footage, Target};
 use crate::batch::frames::{FrameList, Pattern};
 use crate::batch::record::Record;
 use crate::batch::resume;
@@ -37,6 +38,9 @@ pub struct SequenceArgs {
     /// Frames per second
     #[arg(long, value_name = "N", default_value_t = 24.0, value_parser = parse_positive)]
     pub fps: f64,
+    /// Make a video of the frames when all are there: .mp4, .mov, .webm, .mkv or .png, as `pellicle encode` does
+    #[arg(long, value_name = "FILE")]
+    video: Option<PathBuf>,
     /// Skip frames that are there, whole, and made with the same settings
     #[arg(long, help_heading = "Batch")]
     resume: bool,
@@ -135,6 +139,8 @@ struct Rest<'a> {
     talk: &'a TalkArgs,
     exposure_ev: f32,
     suffix: String,
+    video: Option<(PathBuf, Target)>,
+    fps: f64,
 }
 
 impl<'a> Work<'a> {
@@ -173,6 +179,10 @@ impl<'a> Work<'a> {
 
         // Find out now, not after hours, whether the results can be written.
         make_folder(self.pattern.folder())?;
+        let video = match &self.args.video {
+            Some(path) => Some((path.clone(), Target::of(path)?)),
+            None => None,
+        };
         let base = self.args.report_base(&self.pattern);
         output::check_picture(&self.pattern.path(frames.0.first().copied().unwrap_or(0)))?;
         let scene = self.document.path.display().to_string();
@@ -190,9 +200,12 @@ impl<'a> Work<'a> {
             talk: self.talk,
             exposure_ev: self.still.look.exposure_ev,
             suffix: self.suffix,
+            video,
+            fps: self.args.fps,
         };
         if rest.todo.0.is_empty() {
-            return rest.report(Vec::new());
+            rest.report(Vec::new())?;
+            return rest.encode();
         }
 
         let moving = motion.moving();
@@ -273,12 +286,20 @@ impl Rest<'_> {
         }
         let failed = self.record.summary().failed;
         if failed.is_empty() {
-            // VIDEO: all frames of the list are there and whole. What an encoder needs of them: `self.pattern`, the first
-            // number `self.all.0[0]`, their count `self.all.0.len()` and the frames per second.
-            return Ok(());
+            return self.encode();
         }
         let report = self.record.path("csv").display().to_string();
         Err(Error::Frames { frames: failed + &self.suffix, report })
+    }
+
+    /// Makes the video, if one is wanted.
+    fn encode(&self) -> Result<(), Error> {
+        let Some((path, target)) = &self.video else { return Ok(()) };
+        let footage = Footage::of(self.all.0.iter().map(|&frame| self.pattern.path(frame)).collect())?;
+        let plan = EncodePlan { fps: self.fps, quality: None, exposure_ev: self.exposure_ev };
+        let count = footage.encode(path, *target, &plan, |line| self.talk.inform(line))?;
+        self.talk.inform(&format!("{}: {count} frames, {:.2} s", path.display(), count as f64 / self.fps));
+        Ok(())
     }
 
     /// Writes the report with everything that is known now.

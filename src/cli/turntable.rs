@@ -21,7 +21,7 @@ use crate::error::Error;
 #[derive(Args)]
 // `--mode` says what turns here.
 #[command(mut_arg("mode", |arg| arg.long("transport")), after_help = "Examples:
-  pellicle turntable scenes/titanium.dae -o frames/titanium.####.png --frames 120
+  pellicle turntable scenes/titanium.dae -o frames/titanium.####.png --frames 120 --video titanium.mp4
   pellicle turntable scene.dae -o f.####.exr --frames 120 --mode light --total-time 2h
   pellicle turntable scene.dae -o f.####.exr --frames 30-59/120 --resume")]
 pub struct TurntableArgs {
