@@ -7,7 +7,7 @@ use super::reference::Reference;
 use crate::output::Picture;
 use crate::study::error::StudyError;
 use crate::study::log_chart::{Chart, Panel, Series, Value};
-use crate::study::metrics::{Image, Spread, delta_e_map, squared_errors};
+use crate::study::metrics::{Spread, delta_e_map};
 use crate::study::number::ten_digits;
 
 /// A reference is converged enough where what is measured is at least this many times its own error.
@@ -96,21 +96,13 @@ impl Report<'_> {
         csv
     }
 
-    /// How far another mean is from the first reference: what its colour model gets wrong.
+    /// How far another mean is from the first reference: what its colour model gets wrong, and what is left of the noise of
+    /// both, most of which their common seeds cancel.
     fn colour_of(&self, reference: &Reference) -> String {
         let Some((_, first)) = self.contest.references.first() else { return String::new() };
-        let noise = |image: &Image, i: usize| image.variance.as_ref().map_or([0.0; 3], |variance| variance[i]);
-        let both = |i: usize| {
-            let (a, b) = (noise(&reference.image, i), noise(&first.image, i));
-            std::array::from_fn(|c| a[c] + b[c])
-        };
-        let both: Vec<[f64; 3]> = (0..first.image.rgb.len()).map(both).collect();
-        let squared = squared_errors(&reference.image, &first.image, Some(&both));
         let [shown, wanted] = [&reference.image, &first.image].map(|image| self.contest.exposure.show(image));
         let Spread { mean, p99, max } = Spread::of(&delta_e_map(&shown, &wanted));
-        let label = &first.label;
-        let errors = format!("relMSE {:.1e}, dE mean {mean:.3}, 99 % within {p99:.2}, worst {max:.2}", squared.rel_mse);
-        format!("against {label}: {errors} (dE with the noise of both)")
+        format!("against {}: dE mean {mean:.3}, 99 % within {p99:.2}, worst {max:.2}", first.label)
     }
 
     /// One line per contender at its most samples, and the references with their own errors.
