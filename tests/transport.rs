@@ -16,7 +16,7 @@ use pellicle::scene::{self, FilmOptions, Framing, Scene, Stage};
 
 use crate::statistics::{normal_tail, sidak};
 
-struct Unwatched;
+pub struct Unwatched;
 
 impl Watch for Unwatched {
     fn advanced(&self, _samples: u64) {}
@@ -26,11 +26,11 @@ impl Watch for Unwatched {
 }
 
 /// A document that is put together by hand.
-struct Builder(Document);
+pub struct Builder(pub Document);
 
 impl Builder {
     /// A scene seen from `eye` along -z.
-    fn seen_from(eye: Vec3, xfov_deg: f32) -> Self {
+    pub fn seen_from(eye: Vec3, xfov_deg: f32) -> Self {
         let mut builder = Self(Document { to_world: Mat4::IDENTITY, ..Document::default() });
         let projection = Projection::Perspective { xfov_deg: Some(xfov_deg), yfov_deg: None, aspect: Some(1.0) };
         builder.0.cameras.push(Camera { id: "cam".into(), projection, lens: None, shift: glam::Vec2::ZERO });
@@ -38,13 +38,13 @@ impl Builder {
         builder
     }
 
-    fn node(&mut self, matrix: Mat4, item: Item) {
+    pub fn node(&mut self, matrix: Mat4, item: Item) {
         let transforms = vec![Transform { sid: String::new(), kind: TransformKind::Matrix(matrix) }];
         self.0.roots.push(self.0.nodes.len());
         self.0.nodes.push(Node { transforms, items: vec![item], ..Node::default() });
     }
 
-    fn geometry(&mut self, matrix: Mat4, shape: Shape, material: Material) {
+    pub fn geometry(&mut self, matrix: Mat4, shape: Shape, material: Material) {
         let bindings = vec![Binding { symbol: "m".into(), material: self.0.materials.len(), uv_sets: Vec::new() }];
         self.0.materials.push(material);
         self.0.geometries.push(Geometry { id: "shape".into(), shape });
@@ -52,12 +52,12 @@ impl Builder {
         self.node(matrix, Item::Geometry { geometry, bindings });
     }
 
-    fn sphere(&mut self, center: Vec3, radius: f32, material: Material) {
+    pub fn sphere(&mut self, center: Vec3, radius: f32, material: Material) {
         self.geometry(Mat4::from_translation(center), Shape::Sphere { radius }, material);
     }
 
     /// The square [-size, size]^2 in XZ, facing +Y, moved by `at`.
-    fn floor(&mut self, at: Vec3, size: f32, material: Material) {
+    pub fn floor(&mut self, at: Vec3, size: f32, material: Material) {
         let corners = [(-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0)];
         let positions = corners.map(|(x, z)| Vec3::new(x * size, 0.0, z * size)).to_vec();
         let groups = vec![Group { symbol: "m".into(), triangles: 0..2 }];
@@ -65,13 +65,13 @@ impl Builder {
         self.geometry(Mat4::from_translation(at), Shape::Mesh(mesh), material);
     }
 
-    fn light(&mut self, matrix: Mat4, kind: LightKind, color: Vec3) {
+    pub fn light(&mut self, matrix: Mat4, kind: LightKind, color: Vec3) {
         self.0.lights.push(Light { id: "light".into(), kind, color, spectrum: Emission::E });
         let index = self.0.lights.len() - 1;
         self.node(matrix, Item::Light(index));
     }
 
-    fn sky(&mut self, radiance: f32) {
+    pub fn sky(&mut self, radiance: f32) {
         self.0.environment = Some(Environment {
             image: None,
             radiance: Vec3::splat(radiance),
@@ -81,58 +81,58 @@ impl Builder {
         });
     }
 
-    fn render(&self, size: u32, spp: u32, max_bounces: u32, strategy: Strategy, threads: usize) -> Frame {
+    pub fn render(&self, size: u32, spp: u32, max_bounces: u32, strategy: Strategy, threads: usize) -> Frame {
         self.render_in::<Rgb>(size, spp, PathLimits { max_bounces, strategy }, threads)
     }
 
-    fn render_in<M: Mode>(&self, size: u32, spp: u32, limits: PathLimits, threads: usize) -> Frame {
+    pub fn render_in<M: Mode>(&self, size: u32, spp: u32, limits: PathLimits, threads: usize) -> Frame {
         let stage = Arc::new(Stage::new(&self.0, 1).unwrap());
         let scene = Scene::<M>::new(stage.clone(), &FilmOptions { tolerance: 0.01, rung: None }).unwrap();
         let size = [Some(size), Some(size)];
         let (camera, _) = scene::Camera::new(&self.0, None, size, Framing::Scene, stage.bounds).unwrap();
-        let plan = Plan { spp, seed: 1, threads, filter: Filter::Box, limits };
+        let plan = Plan { spp, seed: 1, threads, filter: Filter::Box, limits, clamp: None };
         let frame = render(&scene, &camera, &plan, &Unwatched).unwrap();
         assert_eq!(frame.tally.non_finite, 0);
         frame
     }
 }
 
-fn material(base: Base) -> Material {
+pub fn material(base: Base) -> Material {
     Material { id: "m".into(), base, opacity: Scalar::constant(1.0), tint: Tint::default(), ..Material::default() }
 }
 
-fn diffuse(reflectance: f32) -> Material {
+pub fn diffuse(reflectance: f32) -> Material {
     material(Base::Diffuse { reflectance: Texture::constant(Vec3::splat(reflectance)), ior: 1.5 })
 }
 
-fn rough(alpha: f32) -> Microfacets {
+pub fn rough(alpha: f32) -> Microfacets {
     Microfacets { roughness: Scalar::constant(alpha), ..Microfacets::default() }
 }
 
-fn metal(n: f32, k: f32, alpha: f32) -> Material {
+pub fn metal(n: f32, k: f32, alpha: f32) -> Material {
     material(Base::Conductor { index: Index::Constant { n, k }, microfacets: rough(alpha) })
 }
 
-fn glass(ior: f32, alpha: f32) -> Material {
+pub fn glass(ior: f32, alpha: f32) -> Material {
     let index = Index::Constant { n: ior, k: 0.0 };
     let absorption_per_m = Vec3::ZERO;
     material(Base::Dielectric { index, microfacets: rough(alpha), absorption_per_m, fresnel: true })
 }
 
-fn coated(mut material: Material, ior: f32, nm: f32) -> Material {
+pub fn coated(mut material: Material, ior: f32, nm: f32) -> Material {
     let index = Index::Constant { n: ior, k: 0.0 };
     material.films.push(Film { index, thickness: Thickness::Constant { nm }, weight: 1.0 });
     material
 }
 
-fn shining(mut material: Material, radiance: f32) -> Material {
+pub fn shining(mut material: Material, radiance: f32) -> Material {
     let radiance = Texture::constant(Vec3::splat(radiance));
     material.emission = Some(SurfaceEmission { radiance, spectrum: Emission::E, two_sided: true });
     material
 }
 
 /// (mean, standard error) of the first channel over the picture.
-fn mean(frame: &Frame) -> (f64, f64) {
+pub fn mean(frame: &Frame) -> (f64, f64) {
     let n = frame.rgb.len() as f64;
     let mean = frame.rgb.iter().map(|c| f64::from(c[0])).sum::<f64>() / n;
     let variance = frame.variance.iter().map(|c| f64::from(c[0])).sum::<f64>() / (n * n);
@@ -197,7 +197,7 @@ fn a_point_light_lights_a_floor_by_the_inverse_square() {
 }
 
 /// The square [-size, size]^2 in XZ.
-fn quad(size: f32) -> Shape {
+pub fn quad(size: f32) -> Shape {
     let corners = [(-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0)];
     let positions = corners.map(|(x, z)| Vec3::new(x * size, 0.0, z * size)).to_vec();
     let groups = vec![Group { symbol: "m".into(), triangles: 0..2 }];
@@ -257,7 +257,7 @@ fn crowded() -> Builder {
 }
 
 /// Fails where two estimates of one picture differ by more than their noise allows.
-fn assert_same_picture(a: &Frame, b: &Frame, what: &str) {
+pub fn assert_same_picture(a: &Frame, b: &Frame, what: &str) {
     let tests = a.rgb.len() * 3;
     let significance = sidak(0.01, 2 * tests);
     let mut failed = 0;

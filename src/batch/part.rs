@@ -46,6 +46,7 @@ pub struct Settings {
     pub filter: String,
     pub max_bounces: u32,
     pub strategy: String,
+    pub clamp: Option<f32>,
     pub tolerance: f32,
     pub film: Option<String>,
 }
@@ -57,6 +58,7 @@ pub struct Cost {
     pub shadow_rays: u64,
     pub non_finite: u64,
     pub beyond_range: u64,
+    pub clamped: u64,
     pub threads: usize,
     pub render_s: f64,
     pub render_cpu_s: f64,
@@ -75,9 +77,9 @@ impl Settings {
         mode: &str,
     ) -> Result<Self, Error> {
         // Taken apart, so that a new field asks here whether it changes pixels.
-        let StillPlan { size: _, camera, framing, films, render, look: _, max_memory: _ } = plan;
+        let StillPlan { size: _, camera, framing, films, render, look: _, aovs: _, max_memory: _ } = plan;
         let FilmOptions { tolerance, rung } = films;
-        let Plan { spp, seed, threads: _, filter, limits: PathLimits { max_bounces, strategy } } = render;
+        let Plan { spp, seed, threads: _, filter, limits: PathLimits { max_bounces, strategy }, clamp } = render;
         Ok(Self {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             scene_sha256: document.sha256.clone(),
@@ -92,6 +94,7 @@ impl Settings {
             filter: format!("{filter:?}"),
             max_bounces: *max_bounces,
             strategy: format!("{strategy:?}"),
+            clamp: *clamp,
             tolerance: *tolerance,
             film: rung.map(|rung| rung.to_string()),
         })
@@ -143,14 +146,14 @@ impl PartHeader {
 
 impl Cost {
     pub fn of(sums: &Accumulation) -> Self {
-        let Tally { rays, shadow_rays, non_finite, beyond_range } = sums.tally;
+        let Tally { rays, shadow_rays, non_finite, beyond_range, clamped } = sums.tally;
         let (threads, render_s, render_cpu_s) = (sums.threads, sums.render_s, sums.render_cpu_s);
-        Self { rays, shadow_rays, non_finite, beyond_range, threads, render_s, render_cpu_s }
+        Self { rays, shadow_rays, non_finite, beyond_range, clamped, threads, render_s, render_cpu_s }
     }
 
     pub fn add_to(&self, sums: &mut Accumulation) {
-        let Self { rays, shadow_rays, non_finite, beyond_range, threads, render_s, render_cpu_s } = *self;
-        sums.tally += Tally { rays, shadow_rays, non_finite, beyond_range };
+        let Self { rays, shadow_rays, non_finite, beyond_range, clamped, threads, render_s, render_cpu_s } = *self;
+        sums.tally += Tally { rays, shadow_rays, non_finite, beyond_range, clamped };
         sums.threads = sums.threads.max(threads);
         sums.render_s += render_s;
         sums.render_cpu_s += render_cpu_s;

@@ -2,9 +2,9 @@
 
 use glam::Vec3;
 
+use super::multiple::{broad_pdf, square_to_broad};
 use super::{BsdfSample, Coat, Microfacets, Missing, Pdf};
 use crate::film::Side;
-use crate::math::warp::{cosine_hemisphere_pdf, square_to_cosine_hemisphere};
 use crate::mode::{Lanes, Mode};
 
 /// f = R(wo.h) D(h) G2 / (4 cos_o cos_i): the film is seen by each facet (Walter et al. 2007, eq. 20).
@@ -32,7 +32,7 @@ impl<M: Mode> Conductor<'_, M> {
         let alpha = self.microfacets.alpha;
         let share = missing.share(alpha, wo.z);
         let broad = *color * (share * missing.lobe(alpha, wi.z));
-        (value + broad, pdf + (cosine_hemisphere_pdf(wi.z) - pdf) * share)
+        (value + broad, pdf + (broad_pdf(alpha, wi.z) - pdf) * share)
     }
 
     #[inline]
@@ -46,7 +46,7 @@ impl<M: Mode> Conductor<'_, M> {
         let Some((missing, _)) = &self.multiple else { return self.sample_facet(wo, up, [u[1], u[2]], waves) };
         // Both lobes may lead to the same direction: the weight is the whole value over the whole density.
         let wi = if u[0] < missing.share(self.microfacets.alpha, up.z) {
-            square_to_cosine_hemisphere([u[1], u[2]])
+            square_to_broad(self.microfacets.alpha, [u[1], u[2]])
         } else {
             let h = self.microfacets.sample_visible(up, [u[1], u[2]]);
             h * (2.0 * up.dot(h)) - up

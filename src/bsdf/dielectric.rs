@@ -1,13 +1,13 @@
 //! Transparent bodies: reflection and refraction at a smooth or microfaceted interface, with or without films.
 //!
-//! A body of relative index 1 (a soap film with air on both sides) bends nothing: what it transmits goes straight through,
-//! whatever its roughness, and counts as passing through rather than as scattering.
+//! A body of relative index 1 (a soap film with air on both sides) bends nothing: what its facets transmit goes straight
+//! through, whatever their tilt, and counts as passing through rather than as scattering.
 
 use glam::Vec3;
 
-use super::{BsdfSample, Coat, Microfacets, Missing, Pdf, lobe_probability};
+use super::multiple::{broad_pdf, square_to_broad};
+use super::{BsdfSample, Coat, Microfacets, Multiple, Pdf, lobe_probability};
 use crate::film::{Side, Split};
-use crate::math::warp::{cosine_hemisphere_pdf, square_to_cosine_hemisphere};
 use crate::mode::{Lanes, Mode};
 
 pub struct Dielectric<'s, M: Mode> {
@@ -15,20 +15,23 @@ pub struct Dielectric<'s, M: Mode> {
     pub microfacets: Microfacets,
     /// Refractive index inside over outside, and whether it differs between the lanes of this path.
     pub refraction: (f32, bool),
-    /// What the lobes lose.
+    /// What the facets lose; `None` exactly where the interface is smooth.
     pub multiple: Option<Multiple<'s, M>>,
 }
 
-/// Light that bounces between facets several times: what is missing on each side, and where it goes.
-pub struct Multiple<'s, M: Mode> {
-    pub outside: &'s Missing,
-    pub inside: &'s Missing,
-    /// Average reflectance and transmittance from each side.
-    pub averages: [Split<M::Light>; 2],
+/// How light from one direction is shared out.
+struct Shares<L> {
+    /// What goes straight on without being scattered.
+    straight: L,
+    /// Probability of being scattered.
+    scatters: f32,
+    /// Scattered light that single scattering loses, and the probability that scattering is by the broad lobe.
+    missing: L,
+    broadly: f32,
 }
 
-/// Indices closer to 1 than this bend light by less than f32 directions resolve.
-const STRAIGHT: f32 = 1e-4;
+/// Indices closer to 1 than this bend light by less than a twentieth of a degree, and leave half vectors without digits.
+const STRAIGHT: f32 = 1e-3;
 
 /// True for a body that lets light go on as if it were not there.
 pub fn is_straight(eta: f32) -> bool {
@@ -52,175 +55,184 @@ impl<M: Mode> Dielectric<'_, M> {
         if self.refraction.1 { M::survivors(light, waves) } else { light }
     }
 
+    /// Of light at this (positive) cosine on `side`.
+    fn shares(&self, side: Side, cos: f32, waves: &M::Waves) -> Shares<M::Light> {
+        let missing = self.multiple.as_ref().map_or(M::Light::ZERO, |multiple| multiple.missing(side, cos));
+        if self.bends() {
+            let broadly = missing.mean().clamp(0.0, 1.0);
+            return Shares { straight: M::Light::ZERO, scatters: 1.0, missing, broadly };
+        }
+        let split = self.coat.split(side, cos, waves);
+        let (straight, scatters) = match &self.multiple {
+            Some(multiple) => {
+                let straight = multiple.straight(cos, split.transmit);
+                (straight, lobe_probability(straight.map(|t| 1.0 - t), straight))
+            }
+            None => (split.transmit, lobe_probability(split.reflect, split.transmit)),
+        };
+        let broadly = if scatters > 0.0 { (missing.mean() / scatters).clamp(0.0, 1.0) } else { 0.0 };
+        Shares { straight, scatters, missing, broadly }
+    }
+
     pub(super) fn through(&self, wo: Vec3, waves: &M::Waves) -> Option<(M::Light, f32)> {
         if self.bends() {
             return None;
         }
-        let split = self.coat.split(side_of(wo), wo.z.abs(), waves);
-        Some((split.transmit, 1.0 - lobe_probability(split.reflect, split.transmit)))
+        let shares = self.shares(side_of(wo), wo.z.abs(), waves);
+        Some((shares.straight * self.coat.transmit_tint, 1.0 - shares.scatters))
     }
 
     pub(super) fn eval(&self, wo: Vec3, wi: Vec3, waves: &M::Waves) -> (M::Light, f32) {
-        if self.microfacets.is_smooth() || wo.z == 0.0 || wi.z == 0.0 {
+        let Some(multiple) = self.multiple.as_ref().filter(|_| wo.z != 0.0 && wi.z != 0.0) else {
             return (M::Light::ZERO, 0.0);
-        }
+        };
         // Work on the upper side: mirror the z axis when the light leaves from below.
         let flip = 1.0f32.copysign(wo.z);
-        let (up, other) = (mirror(wo, flip), mirror(wi, flip));
-        let side = side_of(wo);
-        let (value, pdf) = if other.z > 0.0 {
-            self.eval_reflection(up, other, side, waves)
-        } else if self.bends() {
-            self.eval_refraction(up, other, side, waves)
+        let (up, other, side) = (mirror(wo, flip), mirror(wi, flip), side_of(wo));
+        let h = if other.z > 0.0 {
+            up + other
         } else {
-            (M::Light::ZERO, 0.0)
+            // The half vector of refraction points to the thinner side; turn it up. Walter et al. 2007, eq. 16.
+            let h = up + other * self.eta_across(side);
+            h * 1.0f32.copysign(h.z)
         };
-        let Some(multiple) = &self.multiple else { return (value, pdf) };
-        let (alpha, across) = (self.microfacets.alpha, self.eta_across(side));
-        let share = multiple.here(side).share(alpha, up.z);
-        let [reflect, transmit] = multiple.shares(side, alpha);
-        let cosine_pdf = cosine_hemisphere_pdf(other.z.abs());
+        let h = h.normalize_or(Vec3::Z);
+        let split = self.coat.split(side, up.dot(h).clamp(0.0, 1.0), waves);
+        let shares = self.shares(side, up.z, waves);
+        self.scatter(multiple, &shares, side, [up, other], (h, &split), waves)
+    }
+
+    /// Value and density of scattering between two directions by the facet `h`, with what it does to light, and by the broad
+    /// lobe.
+    fn scatter(
+        &self,
+        multiple: &Multiple<M>,
+        shares: &Shares<M::Light>,
+        side: Side,
+        [wo, wi]: [Vec3; 2],
+        (h, facet): (Vec3, &Split<M::Light>),
+        waves: &M::Waves,
+    ) -> (M::Light, f32) {
+        let [reflect, transmit] = multiple.shares(side);
+        let hemisphere_pdf = broad_pdf(self.microfacets.alpha, wi.z.abs());
         let stays = lobe_probability(reflect, transmit);
-        let (broad, broad_pdf) = if other.z > 0.0 {
-            (reflect * (share * multiple.here(side).lobe(alpha, other.z)), stays * cosine_pdf)
+        let (value, pdf, broad, broad_pdf) = if wi.z > 0.0 {
+            let (value, pdf) = self.reflection(wo, wi, h, facet);
+            let broad = reflect * multiple.lobe(side, wi.z) * self.coat.reflect_tint;
+            (value, pdf, broad, stays * hemisphere_pdf)
         } else {
-            let lobe = multiple.beyond(side).lobe(alpha, -other.z);
-            let light = transmit * (share * lobe / (across * across));
-            (self.refracted(light, waves), (1.0 - stays) * cosine_pdf)
+            let (value, pdf) =
+                if self.bends() { self.refraction(wo, wi, h, facet, side) } else { (M::Light::ZERO, 0.0) };
+            let across = self.eta_across(side);
+            let broad = transmit * multiple.lobe(beyond(side), -wi.z) * self.coat.transmit_tint;
+            let broad = broad * (1.0 / (across * across));
+            (self.refracted(value, waves), pdf, self.refracted(broad, waves), (1.0 - stays) * hemisphere_pdf)
         };
-        (value + broad, pdf + (broad_pdf - pdf) * share)
+        (value + shares.missing * broad, shares.scatters * (pdf + (broad_pdf - pdf) * shares.broadly))
     }
 
-    fn eval_reflection(&self, wo: Vec3, wi: Vec3, side: Side, waves: &M::Waves) -> (M::Light, f32) {
-        let h = (wo + wi).normalize();
-        let cos_h = wo.dot(h);
-        let split = self.coat.split(side, cos_h, waves);
+    fn reflection(&self, wo: Vec3, wi: Vec3, h: Vec3, facet: &Split<M::Light>) -> (M::Light, f32) {
         let scale = self.microfacets.d(h) / (4.0 * wo.z);
-        let value = split.reflect * (scale * self.microfacets.g2_reflect(wo, wi));
-        (value, scale * self.microfacets.g1(wo) * self.reflect_probability(&split, wo, side, waves))
+        let value = facet.reflect * (scale * self.microfacets.g2_reflect(wo, wi));
+        (value, scale * self.microfacets.g1(wo) * self.reflect_probability(facet))
     }
 
-    fn eval_refraction(&self, wo: Vec3, wi: Vec3, side: Side, waves: &M::Waves) -> (M::Light, f32) {
+    fn refraction(&self, wo: Vec3, wi: Vec3, h: Vec3, facet: &Split<M::Light>, side: Side) -> (M::Light, f32) {
         let eta = self.eta_across(side);
-        // The half vector of refraction points to the thinner side; turn it up. Walter et al. 2007, eq. 16.
-        let mut h = (wo + wi * eta).normalize();
-        h *= 1.0f32.copysign(h.z);
         let (cos_o, cos_i) = (wo.dot(h), wi.dot(h));
         if cos_o <= 0.0 || cos_i >= 0.0 {
             return (M::Light::ZERO, 0.0);
         }
-        let split = self.coat.split(side, cos_o, waves);
         let jacobian = refraction_jacobian(cos_o, cos_i, eta);
         let d = self.microfacets.d(h);
         // eq. 21, times cos_i; radiance is compressed by eta^-2 when it enters the denser side.
-        let value = split.transmit * (d * self.microfacets.g2_transmit(wo, wi) * cos_o * jacobian / (wo.z * eta * eta));
-        let pass = 1.0 - self.reflect_probability(&split, wo, side, waves);
-        (self.refracted(value, waves), self.microfacets.visible_pdf(wo, h) * jacobian * pass)
+        let value = facet.transmit * (d * self.microfacets.g2_transmit(wo, wi) * cos_o * jacobian / (wo.z * eta * eta));
+        let pass = 1.0 - self.reflect_probability(facet);
+        (value, self.microfacets.visible_pdf(wo, h) * jacobian * pass)
     }
 
-    /// Chance of taking the reflection lobe. A straight body decides at the surface, because its transmission knows no
-    /// facets; others decide at the facet.
+    /// Chance that a facet reflects rather than refracts what it scatters.
     #[inline]
-    fn reflect_probability(&self, facet: &Split<M::Light>, wo: Vec3, side: Side, waves: &M::Waves) -> f32 {
-        if self.bends() {
-            lobe_probability(facet.reflect, facet.transmit)
-        } else {
-            let surface = self.coat.split(side, wo.z, waves);
-            lobe_probability(surface.reflect, surface.transmit)
-        }
+    fn reflect_probability(&self, facet: &Split<M::Light>) -> f32 {
+        if self.bends() { lobe_probability(facet.reflect, facet.transmit) } else { 1.0 }
     }
 
-    pub(super) fn sample(&self, wo: Vec3, u: [f32; 3], waves: &M::Waves) -> Option<BsdfSample<M>> {
+    pub(super) fn sample(&self, wo: Vec3, mut u: [f32; 3], waves: &M::Waves) -> Option<BsdfSample<M>> {
+        if self.bends() && self.multiple.is_none() {
+            return self.sample_smooth(wo, u[0], waves);
+        }
+        let shares = self.shares(side_of(wo), wo.z.abs(), waves);
+        if u[0] >= shares.scatters {
+            let pass = 1.0 - shares.scatters;
+            let weight = shares.straight * self.coat.transmit_tint * (1.0 / pass);
+            return Some(BsdfSample { wi: -wo, weight, pdf: Pdf::Through(pass), collapses: false });
+        }
+        let Some(multiple) = &self.multiple else {
+            let weight = self.coat.split(side_of(wo), wo.z.abs(), waves).reflect * (1.0 / shares.scatters);
+            let wi = Vec3::new(-wo.x, -wo.y, wo.z);
+            return Some(BsdfSample { wi, weight, pdf: Pdf::Delta, collapses: false });
+        };
+        u[0] /= shares.scatters;
+        self.sample_rough(multiple, &shares, wo, u, waves)
+    }
+
+    /// A smooth interface that bends light.
+    fn sample_smooth(&self, wo: Vec3, u: f32, waves: &M::Waves) -> Option<BsdfSample<M>> {
         let flip = 1.0f32.copysign(wo.z);
-        let up = mirror(wo, flip);
-        let side = side_of(wo);
-        if !self.bends() {
-            let surface = self.coat.split(side, up.z, waves);
-            let reflect = lobe_probability(surface.reflect, surface.transmit);
-            if u[0] >= reflect {
-                let pass = 1.0 - reflect;
-                return Some(BsdfSample {
-                    wi: -wo,
-                    weight: surface.transmit * (1.0 / pass),
-                    pdf: Pdf::Through(pass),
-                    collapses: false,
-                });
-            }
-        }
-        let smooth = self.microfacets.is_smooth();
-        if let Some(multiple) = &self.multiple {
-            return self.sample_rough(multiple, wo, u, waves);
-        }
-        let h = if smooth { Vec3::Z } else { self.microfacets.sample_visible(up, [u[1], u[2]]) };
-        let cos_o = up.dot(h);
-        if cos_o <= 0.0 {
-            return None;
-        }
-        let split = self.coat.split(side, cos_o, waves);
-        let reflect = self.reflect_probability(&split, up, side, waves);
-        let g1 = self.microfacets_g1(up);
-        if u[0] < reflect {
-            let wi = h * (2.0 * cos_o) - up;
-            if wi.z <= 0.0 {
-                return None;
-            }
-            let weight = split.reflect * (1.0 / reflect);
-            let wi_world = mirror(wi, flip);
-            if smooth {
-                return Some(BsdfSample { wi: wi_world, weight, pdf: Pdf::Delta, collapses: false });
-            }
-            let pdf = g1 * self.microfacets.d(h) / (4.0 * up.z) * reflect;
-            let weight = weight * (self.microfacets.g2_reflect(up, wi) / g1);
-            return Some(BsdfSample { wi: wi_world, weight, pdf: Pdf::SolidAngle(pdf), collapses: false });
+        let (up, side) = (mirror(wo, flip), side_of(wo));
+        let split = self.coat.split(side, up.z, waves);
+        let reflect = lobe_probability(split.reflect, split.transmit);
+        if u < reflect {
+            let (wi, weight) = (Vec3::new(-wo.x, -wo.y, wo.z), split.reflect * (1.0 / reflect));
+            return Some(BsdfSample { wi, weight, pdf: Pdf::Delta, collapses: false });
         }
         let eta = self.eta_across(side);
-        let wi = refract(up, h, cos_o, eta)?;
-        if wi.z >= 0.0 {
-            return None;
-        }
-        let pass = 1.0 - reflect;
-        let weight = self.refracted(split.transmit * (1.0 / (pass * eta * eta)), waves);
-        let collapses = self.refraction.1;
-        if smooth {
-            return Some(BsdfSample { wi: mirror(wi, flip), weight, pdf: Pdf::Delta, collapses });
-        }
-        let pdf = self.microfacets.visible_pdf(up, h) * refraction_jacobian(cos_o, wi.dot(h), eta) * pass;
-        let weight = weight * (self.microfacets.g2_transmit(up, wi) / g1);
-        Some(BsdfSample { wi: mirror(wi, flip), weight, pdf: Pdf::SolidAngle(pdf), collapses })
+        let wi = refract(up, Vec3::Z, up.z, eta)?;
+        let weight = self.refracted(split.transmit * (1.0 / ((1.0 - reflect) * eta * eta)), waves);
+        Some(BsdfSample { wi: mirror(wi, flip), weight, pdf: Pdf::Delta, collapses: self.refraction.1 })
     }
 
     /// Draws from the facets or from the broad lobe; the weight is the whole value over the whole density, because both may
     /// lead to the same direction.
-    fn sample_rough(&self, multiple: &Multiple<M>, wo: Vec3, u: [f32; 3], waves: &M::Waves) -> Option<BsdfSample<M>> {
+    fn sample_rough(
+        &self,
+        multiple: &Multiple<M>,
+        shares: &Shares<M::Light>,
+        wo: Vec3,
+        u: [f32; 3],
+        waves: &M::Waves,
+    ) -> Option<BsdfSample<M>> {
         let flip = 1.0f32.copysign(wo.z);
         let (up, side) = (mirror(wo, flip), side_of(wo));
-        let share = multiple.here(side).share(self.microfacets.alpha, up.z);
-        let wi = if u[0] < share {
-            let [reflect, transmit] = multiple.shares(side, self.microfacets.alpha);
-            let stays = u[0] < share * lobe_probability(reflect, transmit);
-            mirror(square_to_cosine_hemisphere([u[1], u[2]]), if stays { 1.0 } else { -1.0 })
+        let broadly = shares.broadly;
+        if u[0] < broadly {
+            let [reflect, transmit] = multiple.shares(side);
+            let stays = u[0] < broadly * lobe_probability(reflect, transmit);
+            let wi = square_to_broad(self.microfacets.alpha, [u[1], u[2]]);
+            let wi = mirror(wi, if stays { flip } else { -flip });
+            let (value, pdf) = self.eval(wo, wi, waves);
+            return self.drawn(wo, wi, value, pdf);
+        }
+        let h = self.microfacets.sample_visible(up, [u[1], u[2]]);
+        let cos_o = up.dot(h);
+        if cos_o <= 0.0 {
+            return None;
+        }
+        let facet = self.coat.split(side, cos_o, waves);
+        let wi = if (u[0] - broadly) / (1.0 - broadly) < self.reflect_probability(&facet) {
+            Some(h * (2.0 * cos_o) - up).filter(|wi| wi.z > 0.0)?
         } else {
-            let h = self.microfacets.sample_visible(up, [u[1], u[2]]);
-            let cos_o = up.dot(h);
-            if cos_o <= 0.0 {
-                return None;
-            }
-            let split = self.coat.split(side, cos_o, waves);
-            if (u[0] - share) / (1.0 - share) < self.reflect_probability(&split, up, side, waves) {
-                Some(h * (2.0 * cos_o) - up).filter(|wi| wi.z > 0.0)?
-            } else {
-                refract(up, h, cos_o, self.eta_across(side)).filter(|wi| wi.z < 0.0)?
-            }
+            refract(up, h, cos_o, self.eta_across(side)).filter(|wi| wi.z < 0.0)?
         };
-        let collapses = self.refraction.1 && wi.z < 0.0;
-        let wi = mirror(wi, flip);
-        let (value, pdf) = self.eval(wo, wi, waves);
-        (pdf > 0.0).then(|| BsdfSample { wi, weight: value * (1.0 / pdf), pdf: Pdf::SolidAngle(pdf), collapses })
+        // With the very facet that was drawn: found again from the directions, it has no digits where they nearly oppose.
+        let (value, pdf) = self.scatter(multiple, shares, side, [up, wi], (h, &facet), waves);
+        self.drawn(wo, mirror(wi, flip), value, pdf)
     }
 
     #[inline]
-    fn microfacets_g1(&self, w: Vec3) -> f32 {
-        if self.microfacets.is_smooth() { 1.0 } else { self.microfacets.g1(w) }
+    fn drawn(&self, wo: Vec3, wi: Vec3, value: M::Light, pdf: f32) -> Option<BsdfSample<M>> {
+        let collapses = self.refraction.1 && wi.z * wo.z < 0.0;
+        (pdf > 0.0).then(|| BsdfSample { wi, weight: value * (1.0 / pdf), pdf: Pdf::SolidAngle(pdf), collapses })
     }
 
     /// Index on the far side over index on the side of `wo`.
@@ -233,28 +245,9 @@ impl<M: Mode> Dielectric<'_, M> {
     }
 }
 
-impl<M: Mode> Multiple<'_, M> {
-    #[inline]
-    fn here(&self, side: Side) -> &Missing {
-        if side == Side::Outside { self.outside } else { self.inside }
-    }
-
-    #[inline]
-    fn beyond(&self, side: Side) -> &Missing {
-        if side == Side::Outside { self.inside } else { self.outside }
-    }
-
-    /// Shares of the missing light that stay on this side and that cross. Crossing must be reciprocal, which ties the two
-    /// sides together: y m n^2 has to be the same from both, and n^2 T is; the smaller loss sets the scale.
-    #[inline]
-    fn shares(&self, side: Side, alpha: f32) -> [M::Light; 2] {
-        let average = &self.averages[usize::from(side == Side::Inside)];
-        let (here, beyond) = (self.here(side).mean(alpha), self.beyond(side).mean(alpha));
-        let transmit = average.transmit * (here.min(beyond) / here);
-        // What facets absorb stays absorbed; everything else that does not cross comes back.
-        let kept = average.reflect + average.transmit;
-        [kept + transmit * -1.0, transmit]
-    }
+#[inline]
+fn beyond(side: Side) -> Side {
+    if side == Side::Outside { Side::Inside } else { Side::Outside }
 }
 
 #[inline]

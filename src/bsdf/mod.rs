@@ -11,11 +11,11 @@ mod microfacet;
 mod multiple;
 
 pub use conductor::{Conductor, multiple_color};
-pub use dielectric::{Dielectric, Multiple, is_straight};
+pub use dielectric::{Dielectric, is_straight};
 pub use diffuse::{CoatedDiffuse, Diffuse};
 use glam::Vec3;
 pub use microfacet::Microfacets;
-pub use multiple::Missing;
+pub use multiple::{Interface, Missing, Multiple};
 
 use crate::film::{Side, Split};
 use crate::mode::{Lanes, Mode};
@@ -105,7 +105,7 @@ impl<M: Mode> Bsdf<'_, M> {
             Self::Black => true,
             Self::Diffuse(_) | Self::CoatedDiffuse(_) => false,
             Self::Conductor(bsdf) => bsdf.microfacets.is_smooth(),
-            Self::Dielectric(bsdf) => bsdf.microfacets.is_smooth(),
+            Self::Dielectric(bsdf) => bsdf.multiple.is_none(),
         }
     }
 }
@@ -128,16 +128,6 @@ impl<M: Mode> Clone for Coat<'_, M> {
 impl<M: Mode> Copy for Coat<'_, M> {}
 
 impl<M: Mode> Coat<'_, M> {
-    /// Shares of light that comes from everywhere on one side. What a lossless interface does not reflect it transmits; for
-    /// absorbing films the transmitted part is taken as the rest of the mean at 45 degrees.
-    pub fn average(&self, side: Side, waves: &M::Waves) -> Split<M::Light> {
-        let reflect = M::average(self.film, side, self.thickness_nm, waves);
-        let typical = M::split(self.film, side, std::f32::consts::FRAC_1_SQRT_2, self.thickness_nm, waves);
-        let absorbed = (typical.reflect + typical.transmit).map(|kept| (1.0 - kept).max(0.0));
-        let transmit = (reflect + absorbed).map(|lost| (1.0 - lost).max(0.0));
-        Split { reflect: reflect * self.reflect_tint, transmit: transmit * self.transmit_tint }
-    }
-
     /// Reflected and transmitted shares of light that meets a (micro)facet at this cosine.
     #[inline]
     fn split(&self, side: Side, cos_i: f32, waves: &M::Waves) -> Split<M::Light> {

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::render::{AovArg, aovs, check_aovs};
 use super::{print, say};
 use crate::batch::merge::Merge;
 use crate::batch::still::{self, Look};
@@ -40,6 +41,9 @@ pub struct MergeArgs {
     /// Write 32-bit instead of 16-bit floats to EXR
     #[arg(long)]
     float: bool,
+    /// More layers for EXR, with commas between them
+    #[arg(long = "aov", value_name = "LIST", value_enum, value_delimiter = ',')]
+    aovs: Vec<AovArg>,
     /// Say nothing but errors
     #[arg(short, long)]
     quiet: bool,
@@ -52,6 +56,7 @@ pub fn run(args: &MergeArgs) -> Result<(), Error> {
         }
     };
     let format = output::check_picture(&args.output)?;
+    check_aovs(&args.output, format, &args.aovs)?;
     let merge = Merge::plan(&args.parts, args.partial)?;
     let sums = merge.run(|part| inform(&format!("adding {}", part.display())))?;
 
@@ -61,7 +66,8 @@ pub fn run(args: &MergeArgs) -> Result<(), Error> {
         png_depth: if args.png_depth == "16" { PngDepth::Sixteen } else { PngDepth::Eight },
         float: args.float,
     };
-    still::write(&args.output, format, &still::picture(&frame, merge.header.picture.clone()), look)?;
+    let picture = still::picture(&frame, &aovs(&args.aovs), merge.header.picture.clone());
+    still::write(&args.output, format, &picture, look)?;
     inform(&format!(
         "{}: {}x{}, {} of {} spp from {} parts",
         args.output.display(),

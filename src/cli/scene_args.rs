@@ -9,7 +9,7 @@ use crate::document::Document;
 use crate::error::Error;
 use crate::scene::Framing;
 
-#[derive(Args)]
+#[derive(Args, PartialEq)]
 pub struct SceneArgs {
     /// The scene: COLLADA .dae or .zae
     #[arg(value_name = "SCENE")]
@@ -37,20 +37,20 @@ pub struct SceneArgs {
     pub light_falloff: FalloffArg,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
 pub enum MissingTextureArg {
     Error,
     Magenta,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
 pub enum UpAxisArg {
     X,
     Y,
     Z,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
 pub enum FalloffArg {
     /// Physical, unless the file gives its own attenuation
     Auto,
@@ -61,7 +61,7 @@ pub enum FalloffArg {
 }
 
 /// How the camera is placed.
-#[derive(Clone, Copy, ValueEnum)]
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
 pub enum FramingArg {
     /// CS184's rule where a CS184 file needs it, else as written
     Auto,
@@ -91,7 +91,7 @@ impl SceneArgs {
         format!("{:?}", LoadOptions { allow_path: Vec::new(), ..self.options() })
     }
 
-    fn options(&self) -> LoadOptions {
+    pub fn options(&self) -> LoadOptions {
         LoadOptions {
             allow_path: self.allow_path.clone(),
             lenient: self.lenient,

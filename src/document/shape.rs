@@ -18,6 +18,19 @@ pub enum Shape {
     },
 }
 
+impl Shape {
+    /// Least and largest coordinates; `None` for a mesh without vertices.
+    pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
+        match self {
+            Self::Sphere { radius } => Some((Vec3::splat(-radius), Vec3::splat(*radius))),
+            Self::Mesh(mesh) => {
+                let first = *mesh.positions.first()?;
+                Some(mesh.positions.iter().fold((first, first), |(low, high), p| (low.min(*p), high.max(*p))))
+            }
+        }
+    }
+}
+
 /// Triangles with unified vertices: index `i` addresses position, normal and every texture coordinate set alike.
 #[derive(Clone, Debug, Default)]
 pub struct Mesh {

@@ -8,7 +8,9 @@ mod gaussian;
 mod grid;
 mod kernels;
 mod ladder;
+mod lane_table;
 mod lanes;
+mod profile;
 mod quadrature;
 mod rgb;
 mod spectral;
@@ -18,6 +20,7 @@ mod three_wave;
 
 pub use exact::exact;
 pub use ladder::{Rung, Trial, Verdict, choose};
+pub use profile::{HATS, Profile, RgbProfile, SpectralProfile, hat_means, hats};
 pub use rgb::RgbFilm;
 pub use spectral::{SpectralFilm, spectral};
 pub use stack::{Layer, Polarised, Range, Side, Split, Stack};

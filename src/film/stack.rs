@@ -1,6 +1,6 @@
 //! What a coated surface is made of.
 
-use crate::color::IndexCurve;
+use crate::color::{IndexCurve, NOMINAL_NM};
 
 /// Light reflected from a surface and transmitted into the medium behind it, as shares of what arrives. What is missing to
 /// 1 was absorbed in the layers.
@@ -81,6 +81,13 @@ impl Stack {
         self.layers.iter().all(|layer| layer.index.max_k() == 0.0)
     }
 
+    /// The side with the smaller index (at the d line), whose cosine covers every direction in which light gets through;
+    /// outside for metals.
+    pub(super) fn rarer_side(&self) -> Side {
+        let [outside, base] = [&self.outside, &self.base].map(|medium| medium.at(NOMINAL_NM).re);
+        if self.opaque_base() || outside <= base { Side::Outside } else { Side::Inside }
+    }
+
     /// True when light inside the base never reaches the surface: metals.
     pub(super) fn opaque_base(&self) -> bool {
         self.base.max_k() > OPAQUE_K
@@ -100,7 +107,7 @@ impl Range {
         }
     }
 
-    pub(super) fn is_constant(self) -> bool {
+    pub fn is_constant(self) -> bool {
         self.max_nm - self.min_nm < 1e-3
     }
 }

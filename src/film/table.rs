@@ -61,7 +61,7 @@ impl Table {
         let film = SpectralFilm::without_averages(stack);
         let opaque = stack.opaque_base();
         let (outside, base) = (stack.outside.at(NOMINAL_NM).re, stack.base.at(NOMINAL_NM).re);
-        let rare = if opaque || outside <= base { Side::Outside } else { Side::Inside };
+        let rare = stack.rarer_side();
         let ratio = if opaque { 1.0 } else { (outside.max(base) / outside.min(base)).powi(2) as f32 };
         let axis = thickness_axis(stack, range);
 

@@ -42,6 +42,8 @@ pub struct Tally {
     pub non_finite: u64,
     /// Samples brighter than 2^32 (4.3e9), which count as that.
     pub beyond_range: u64,
+    /// Samples that were brighter than the render allows.
+    pub clamped: u64,
 }
 
 impl AddAssign for Tally {
@@ -50,6 +52,7 @@ impl AddAssign for Tally {
         self.shadow_rays += other.shadow_rays;
         self.non_finite += other.non_finite;
         self.beyond_range += other.beyond_range;
+        self.clamped += other.clamped;
     }
 }
 

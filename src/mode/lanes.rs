@@ -24,6 +24,8 @@ pub trait Lanes:
     fn max(&self) -> f32;
     fn is_finite(&self) -> bool;
     fn map(self, f: impl Fn(f32) -> f32) -> Self;
+    /// Lane by lane.
+    fn zip(self, other: Self, f: impl Fn(f32, f32) -> f32) -> Self;
     fn is_black(&self) -> bool {
         *self == Self::ZERO
     }
@@ -61,6 +63,11 @@ impl<const N: usize> Lanes for Wide<N> {
     #[inline]
     fn map(self, f: impl Fn(f32) -> f32) -> Self {
         Self(self.0.map(f))
+    }
+
+    #[inline]
+    fn zip(self, other: Self, f: impl Fn(f32, f32) -> f32) -> Self {
+        Self(std::array::from_fn(|i| f(self.0[i], other.0[i])))
     }
 }
 

@@ -24,6 +24,8 @@ pub trait Mode: Copy + Debug + Send + Sync + 'static {
     type Waves: Copy + Debug + Send + Sync;
     /// A compiled interface: how much light of each lane it reflects and transmits.
     type Film: Send + Sync;
+    /// How an interface transmits over angle, for what microfacets lose.
+    type Profile: Send + Sync;
     /// A compiled light spectrum.
     type Spectrum: Send + Sync;
     /// A compiled refractive index of a body that bends light.
@@ -46,6 +48,8 @@ pub trait Mode: Copy + Debug + Send + Sync + 'static {
     fn split(film: &Self::Film, side: Side, cos_i: f32, thickness_nm: f32, waves: &Self::Waves) -> Split<Self::Light>;
     /// Mean reflectance over the cosine-weighted hemisphere: 2 Int R(mu) mu dmu.
     fn average(film: &Self::Film, side: Side, thickness_nm: f32, waves: &Self::Waves) -> Self::Light;
+    fn profile(film: &Self::Film, stack: &Stack, range: film::Range) -> Self::Profile;
+    fn profiled(profile: &Self::Profile, thickness_nm: f32, waves: &Self::Waves) -> film::Profile<Self::Light>;
     fn eta(index: &IndexCurve) -> Self::Eta;
     /// The index that decides this path's direction, and whether other lanes would have gone elsewhere.
     fn refraction(eta: &Self::Eta, waves: &Self::Waves) -> (f32, bool);

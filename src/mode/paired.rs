@@ -8,7 +8,7 @@ use glam::Vec3;
 use super::spectral::{EtaTable, SpectrumTable};
 use super::{FilmPlan, Mode, Rgb, Spectral, Waves, Wide};
 use crate::color::{Emission, IndexCurve, Sensor};
-use crate::film::{RgbFilm, Side, SpectralFilm, Split, Stack, Verdict};
+use crate::film::{self, RgbFilm, RgbProfile, Side, SpectralFilm, SpectralProfile, Split, Stack, Verdict};
 
 /// Number of wavelengths; with 16, colour noise vanishes.
 const N: usize = 16;
@@ -35,6 +35,7 @@ impl<const SPECTRAL: bool> Mode for Paired<SPECTRAL> {
     type Light = Wide<LANES>;
     type Waves = Waves<N>;
     type Film = (RgbFilm, SpectralFilm);
+    type Profile = (RgbProfile, SpectralProfile);
     type Spectrum = (Vec3, SpectrumTable);
     type Eta = EtaTable;
     const NAME: &'static str = "paired";
@@ -68,6 +69,14 @@ impl<const SPECTRAL: bool> Mode for Paired<SPECTRAL> {
 
     fn average(film: &Self::Film, side: Side, nm: f32, waves: &Waves<N>) -> Wide<LANES> {
         join(film.0.average(side, nm), film.1.average(side, nm, &waves.nm))
+    }
+
+    fn profile(film: &Self::Film, stack: &Stack, range: film::Range) -> Self::Profile {
+        (Rgb::profile(&film.0, stack, range), Spectral::<N>::profile(&film.1, stack, range))
+    }
+
+    fn profiled((rgb, spectral): &Self::Profile, nm: f32, waves: &Waves<N>) -> film::Profile<Wide<LANES>> {
+        rgb.at(nm).zip(spectral.lanes(nm, &waves.nm), join)
     }
 
     fn eta(index: &IndexCurve) -> EtaTable {

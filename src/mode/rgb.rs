@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::{FilmPlan, Mode, Wide};
 use crate::color::{Emission, IndexCurve, NOMINAL_NM, Sensor};
-use crate::film::{self, RgbFilm, Side, Split, Stack, Verdict};
+use crate::film::{self, RgbFilm, RgbProfile, Side, Split, Stack, Verdict};
 
 /// Three lanes of linear sRGB.
 #[derive(Clone, Copy, Debug)]
@@ -14,6 +14,7 @@ impl Mode for Rgb {
     type Light = Wide<3>;
     type Waves = ();
     type Film = RgbFilm;
+    type Profile = RgbProfile;
     type Spectrum = Vec3;
     type Eta = f32;
     const NAME: &'static str = "rgb";
@@ -53,6 +54,15 @@ impl Mode for Rgb {
 
     fn average(film: &RgbFilm, side: Side, thickness_nm: f32, _waves: &()) -> Wide<3> {
         Wide(film.average(side, thickness_nm))
+    }
+
+    fn profile(film: &RgbFilm, stack: &Stack, range: film::Range) -> RgbProfile {
+        RgbProfile::new(film, stack, range)
+    }
+
+    #[inline]
+    fn profiled(profile: &RgbProfile, thickness_nm: f32, _waves: &()) -> film::Profile<Wide<3>> {
+        profile.at(thickness_nm).map(Wide)
     }
 
     fn eta(index: &IndexCurve) -> f32 {

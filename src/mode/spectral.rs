@@ -7,7 +7,7 @@ use glam::Vec3;
 
 use super::{FilmPlan, Mode, Wide};
 use crate::color::{Emission, IndexCurve, MAX_NM, MIN_NM, Sensor, Uplift, UpliftLanes};
-use crate::film::{self, Side, SpectralFilm, Split, Stack, Verdict};
+use crate::film::{self, Side, SpectralFilm, SpectralProfile, Split, Stack, Verdict};
 
 /// N wavelengths: 4, 8 or 16.
 #[derive(Clone, Copy, Debug)]
@@ -107,6 +107,7 @@ impl<const N: usize> Mode for Spectral<N> {
     type Light = Wide<N>;
     type Waves = Waves<N>;
     type Film = SpectralFilm;
+    type Profile = SpectralProfile;
     type Spectrum = SpectrumTable;
     type Eta = EtaTable;
     const NAME: &'static str = match N {
@@ -147,6 +148,15 @@ impl<const N: usize> Mode for Spectral<N> {
 
     fn average(film: &SpectralFilm, side: Side, thickness_nm: f32, waves: &Waves<N>) -> Wide<N> {
         Wide(film.average(side, thickness_nm, &waves.nm))
+    }
+
+    fn profile(film: &SpectralFilm, stack: &Stack, range: film::Range) -> SpectralProfile {
+        SpectralProfile::new(film, stack, range)
+    }
+
+    #[inline]
+    fn profiled(profile: &SpectralProfile, thickness_nm: f32, waves: &Waves<N>) -> film::Profile<Wide<N>> {
+        profile.lanes(thickness_nm, &waves.nm).map(Wide)
     }
 
     fn eta(index: &IndexCurve) -> EtaTable {

@@ -18,6 +18,14 @@ pub fn write_text(path: &Path, text: &str) -> Result<(), OutputError> {
     save(path, text.as_bytes())
 }
 
+/// Writes bytes as they are.
+///
+/// # Errors
+/// As [`write_text`].
+pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
+    save(path, bytes)
+}
+
 /// Proves that `path` can be written, by creating and removing the temporary file.
 ///
 /// # Errors

@@ -3,9 +3,14 @@
 use std::ops::Range;
 
 use super::frame::Frame;
+use super::noise;
 use super::sums::{Sums, Totals, estimate};
 use super::tile::Tile;
 use crate::integrate::Tally;
+
+/// Largest number of samples that a pass adds to each pixel. A render stops between tiles: no pixel is then more than this
+/// ahead of another.
+const PASS_SPP: u32 = 16;
 
 /// The sums over a range of the samples of every pixel. Ranges can be rendered in any pieces, anywhere, and added in any
 /// order: the [`Frame`] is the same to the last bit.
@@ -37,6 +42,20 @@ impl Accumulation {
     /// Samples that every pixel has; where the render was stopped, some have a few more.
     pub fn spp(&self) -> u32 {
         self.tiles.iter().map(|tile| tile.next).min().unwrap_or(self.samples.start) - self.samples.start
+    }
+
+    /// Samples that the next pass usually adds. Small passes first, so that a short render shows something early.
+    pub fn usual_pass(&self) -> u32 {
+        self.spp().clamp(1, PASS_SPP)
+    }
+
+    /// As [`Frame::noise`], for the picture as it is now.
+    pub fn noise(&self) -> f64 {
+        let of_tile = |tile: &'_ Tile| {
+            let spp = tile.next - self.samples.start;
+            (0..tile.sums.len()).map(|index| estimate(&tile.sums.get(index), spp)).collect::<Vec<_>>()
+        };
+        noise::of_picture(self.tiles.iter().flat_map(of_tile))
     }
 
     /// Everything that it is to hold is there.

@@ -2,6 +2,7 @@
 
 use sha2::{Digest, Sha256};
 
+use super::noise;
 use crate::integrate::Tally;
 
 /// Mean radiance per pixel, row by row from the upper left, linear sRGB.
@@ -21,6 +22,25 @@ pub struct Frame {
 }
 
 impl Frame {
+    /// Estimated error of the picture: root mean square of the standard errors of its pixels' luminances, over their mean.
+    /// Samples count as independent; as they are stratified, the true error is lower. Infinite below two samples.
+    pub fn noise(&self) -> f64 {
+        noise::of_picture(self.estimates())
+    }
+
+    /// The relative standard error that 95 % of the pixels stay below, each against its own luminance or a tenth of the
+    /// picture's mean, whichever is more.
+    pub fn noise_p95(&self) -> f64 {
+        noise::p95(self.estimates())
+    }
+
+    fn estimates(&self) -> impl Iterator<Item = [(f64, f64); 3]> + Clone + '_ {
+        let pair = |(mean, variance): (&[f32; 3], &[f32; 3])| {
+            std::array::from_fn(|channel| (f64::from(mean[channel]), f64::from(variance[channel])))
+        };
+        self.rgb.iter().zip(&self.variance).map(pair)
+    }
+
     /// SHA-256 over the size (two u32) and all values of [`rgb`](Self::rgb) (f32), little-endian; hexadecimal.
     pub fn sha256(&self) -> String {
         let mut hash = Sha256::new();

@@ -8,12 +8,13 @@ mod clock;
 mod edge;
 mod filter;
 mod frame;
+mod noise;
 mod sums;
 mod tile;
 
 pub use accumulation::{Accumulation, Block};
 use arrayvec::ArrayVec;
-pub use clock::{available_memory, cpu_seconds, peak_rss_mb};
+pub use clock::{CpuClock, available_memory, peak_rss_mb};
 pub use filter::Filter;
 pub use frame::Frame;
 use glam::Vec2;
@@ -29,10 +30,6 @@ use crate::scene::{Camera, Scene};
 use edge::Edges;
 use tile::Tile;
 
-/// Largest number of samples that a pass adds to each pixel. A render stops between tiles: no pixel is then more than this
-/// ahead of another.
-const PASS_SPP: u32 = 16;
-
 /// What to render.
 #[derive(Clone, Copy, Debug)]
 pub struct Plan {
@@ -42,6 +39,8 @@ pub struct Plan {
     pub threads: usize,
     pub filter: Filter,
     pub limits: PathLimits,
+    /// Largest channel of one sample, linear sRGB; brighter ones are scaled down to it, which loses light. `None`: unbiased.
+    pub clamp: Option<f32>,
 }
 
 /// Told of progress; may stop the render.
@@ -51,6 +50,11 @@ pub trait Watch: Sync {
     /// Asked before each tile of a pass: true ends the render with the samples it has. Called from render threads; once
     /// true, always true.
     fn stop(&self) -> bool;
+    /// Asked before each pass after the first: samples per pixel that it shall add; 0 ends the render, all pixels having the
+    /// same number.
+    fn pass(&self, so_far: &Accumulation) -> u32 {
+        so_far.usual_pass()
+    }
 }
 
 #[derive(Debug, Error)]
@@ -108,12 +112,15 @@ pub fn accumulate<M: Mode>(
         .map_err(|e| RenderError::Threads { threads: plan.threads, reason: e.to_string() })?;
     sums.threads = pool.current_num_threads();
     let clock = std::time::Instant::now();
-    let cpu_start = cpu_seconds();
+    let cpu_clock = CpuClock::start();
     let total = sums.samples.end - sums.samples.start;
     let mut done = sums.spp();
     while done < total && !watch.stop() {
-        // Small passes first, so that a short render shows something early.
-        done += done.clamp(1, PASS_SPP).min(total - done);
+        let count = if done == 0 { 1 } else { watch.pass(sums).min(total - done) };
+        if count == 0 {
+            break;
+        }
+        done += count;
         let end = sums.samples.start + done;
         sums.tally += pool.install(|| {
             sums.tiles
@@ -134,7 +141,7 @@ pub fn accumulate<M: Mode>(
         });
     }
     sums.render_s += clock.elapsed().as_secs_f64();
-    sums.render_cpu_s += cpu_seconds() - cpu_start;
+    sums.render_cpu_s += cpu_clock.seconds();
     Ok(())
 }
 
@@ -204,7 +211,11 @@ fn render_group<M: Mode>(
     }
     for (path, sum) in paths.iter().zip(sums) {
         if path.radiance.is_finite() {
-            let rgb = M::to_rgb(path.radiance, &path.waves, &scene.stage.sensor);
+            let mut rgb = M::to_rgb(path.radiance, &path.waves, &scene.stage.sensor);
+            if let Some(limit) = plan.clamp.filter(|&limit| rgb.abs().max_element() > limit) {
+                rgb *= limit / rgb.abs().max_element();
+                tally.clamped += 1;
+            }
             tally.beyond_range += u64::from(!sum.add(rgb));
         } else {
             tally.non_finite += 1;

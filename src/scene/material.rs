@@ -8,13 +8,13 @@ use super::surface::Surface;
 use super::texture::{Texture, lookup_rgb, lookup_scalar};
 use super::{BuildError, FilmOptions};
 use crate::bsdf::{
-    Bsdf, Coat, CoatedDiffuse, Conductor, Dielectric, Diffuse, Microfacets, Missing, Multiple, is_straight,
+    Bsdf, Coat, CoatedDiffuse, Conductor, Dielectric, Diffuse, Interface, Microfacets, Missing, Multiple, is_straight,
     multiple_color,
 };
 use crate::color::{Index, IndexCurve, Sensor};
 use crate::document::{self, Base, Distribution, NormalMap, Scalar, Thickness, Tint};
 use crate::film::{Layer, Range, Side, Stack, Verdict};
-use crate::mode::{FilmPlan, Lanes, Mode};
+use crate::mode::{FilmPlan, Mode};
 
 pub struct Material<M: Mode> {
     body: Body<M>,
@@ -50,8 +50,8 @@ enum Body<M: Mode> {
         roughness: Scalar,
         eta: M::Eta,
         absorption_per_m: Vec3,
-        /// From outside and from inside.
-        missing: Option<[Missing; 2]>,
+        /// What its facets lose; `None` where it is smooth.
+        rough: Option<(Interface, M::Profile)>,
     },
     /// Transmits everything, bent but unreflected (CGL `<refraction>`).
     Refractor {
@@ -71,11 +71,11 @@ impl<M: Mode> Material<M> {
             forced: options.rung,
         };
         let mut verdict = None;
-        let mut compile = |base: &Index| -> Result<M::Film, BuildError> {
+        let mut compile = |base: &Index| -> Result<(M::Film, Stack), BuildError> {
             let stack = stack_of(source, base)?;
             let (film, chosen) = M::film(&stack, &plan);
             verdict = chosen;
-            Ok(film)
+            Ok((film, stack))
         };
         let mut straight = false;
         let body = match &source.base {
@@ -85,35 +85,35 @@ impl<M: Mode> Material<M> {
             }
             Base::Diffuse { reflectance, ior } => Body::CoatedDiffuse {
                 reflectance: reflectance.clone(),
-                film: compile(&Index::Constant { n: *ior, k: 0.0 })?,
+                film: compile(&Index::Constant { n: *ior, k: 0.0 })?.0,
                 ior: *ior,
             },
             Base::Conductor { index, microfacets } => Body::Conductor {
-                film: compile(index)?,
+                film: compile(index)?.0,
                 distribution: microfacets.distribution,
                 roughness: microfacets.roughness.clone(),
-                missing: missing(microfacets, Side::Outside, None, &|_, _| (1.0, 0.0)),
+                missing: Missing::new(microfacets.distribution, constant_alpha(microfacets)),
             },
             Base::Dielectric { index, microfacets, absorption_per_m, fresnel } => {
                 let curve = curve_of(source, index)?;
                 straight = curve.as_constant().is_some_and(|constant| is_straight(constant.re as f32));
+                // What bends nothing reflects nothing by itself, not even all light along its inside.
+                let air = Index::Constant { n: 1.0, k: 0.0 };
+                let index = if straight { &air } else { index };
+                let curve = curve_of(source, index)?;
                 let eta = M::eta(&curve);
                 let absorption_per_m = *absorption_per_m;
                 if *fresnel || !source.films.is_empty() {
-                    let film = compile(index)?;
-                    // One typical thickness and path: the film shifts light between two lobes that lose about the same.
-                    let middle = (0.5 * (plan.range.min_nm + plan.range.max_nm)) as f32;
-                    let waves = M::waves(0.5);
-                    let (across, _) = M::refraction(&eta, &waves);
-                    let facet = |side, cos| {
-                        let split = M::split(&film, side, cos, middle, &waves);
-                        (split.reflect.mean(), split.transmit.mean())
-                    };
-                    let lost = |side| missing(microfacets, side, Some(across), &facet);
-                    let missing = if straight { None } else { lost(Side::Outside).zip(lost(Side::Inside)) };
+                    let (film, stack) = compile(index)?;
+                    let rough = (constant_alpha(microfacets) != Some(0.0)).then(|| {
+                        // Dispersion hardly changes which facets stand in the way: one index serves all paths.
+                        let (across, _) = M::refraction(&eta, &M::waves(0.5));
+                        let interface = Interface::new(microfacets.distribution, constant_alpha(microfacets), across);
+                        (interface, M::profile(&film, &stack, plan.range))
+                    });
                     Body::Dielectric {
                         film,
-                        missing: missing.map(<[Missing; 2]>::from),
+                        rough,
                         distribution: microfacets.distribution,
                         roughness: microfacets.roughness.clone(),
                         eta,
@@ -121,7 +121,7 @@ impl<M: Mode> Material<M> {
                     }
                 } else {
                     // No interface at all: air against air transmits everything.
-                    let film = compile(&Index::Constant { n: 1.0, k: 0.0 })?;
+                    let (film, _) = compile(&air)?;
                     Body::Refractor { film, eta, absorption_per_m }
                 }
             }
@@ -174,13 +174,14 @@ impl<M: Mode> Material<M> {
                 });
                 Bsdf::Conductor(Conductor { coat, microfacets, multiple })
             }
-            Body::Dielectric { film, distribution, roughness, eta, missing, .. } => {
+            Body::Dielectric { film, distribution, roughness, eta, rough, .. } => {
                 let (coat, microfacets) = (coat(film), microfacets(distribution, roughness));
-                let multiple = missing.as_ref().filter(|_| !microfacets.is_smooth()).map(|[outside, inside]| {
-                    let average = |side| coat.average(side, waves);
-                    Multiple { outside, inside, averages: [average(Side::Outside), average(Side::Inside)] }
+                let refraction = M::refraction(eta, waves);
+                let multiple = rough.as_ref().filter(|_| !microfacets.is_smooth()).map(|(interface, profile)| {
+                    let profile = M::profiled(profile, coat.thickness_nm, waves);
+                    Multiple::new(interface, microfacets.alpha, refraction.0, profile)
                 });
-                Bsdf::Dielectric(Dielectric { coat, microfacets, refraction: M::refraction(eta, waves), multiple })
+                Bsdf::Dielectric(Dielectric { coat, microfacets, refraction, multiple })
             }
             Body::Refractor { film, eta, .. } => Bsdf::Dielectric(Dielectric {
                 coat: coat(film),
@@ -231,15 +232,9 @@ fn bent(normal_map: &NormalMap, surface: &Surface, textures: &[Arc<Texture>]) ->
     bent.normalize()
 }
 
-/// What single scattering loses; `None` where that is next to nothing.
-fn missing(
-    microfacets: &document::Microfacets,
-    side: Side,
-    eta: Option<f32>,
-    facet: &dyn Fn(Side, f32) -> (f32, f32),
-) -> Option<Missing> {
-    let constant = microfacets.roughness.map.is_none().then_some(microfacets.roughness.value);
-    Missing::new(microfacets.distribution, constant, side, eta, facet)
+/// The roughness where no image varies it.
+fn constant_alpha(microfacets: &document::Microfacets) -> Option<f32> {
+    microfacets.roughness.map.is_none().then_some(microfacets.roughness.value.clamp(0.0, 1.0))
 }
 
 #[inline]
