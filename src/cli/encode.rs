@@ -28,7 +28,7 @@ pub struct EncodeArgs {
     /// Frames per second
     #[arg(long, value_name = "N", default_value = "24", value_parser = parse_fps)]
     fps: f64,
-    /// Quality on the codec's own scale, lower is better: CRF of .mp4 (usually 16) and .webm (20), quantiser of .mov (9)
+    /// Quality on the codec's own scale, lower is better: CRF, usually 16 for .mp4 and 20 for .webm; quantiser of .mov, usually 9
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=63))]
     quality: Option<u32>,
     /// Brightness of EXR frames, in stops

@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use clap::Args;
 
+use super::sequence::parse_duration;
 use crate::error::Error;
 use crate::output::{self, Format};
 
@@ -15,7 +16,7 @@ pub struct SamplingArgs {
     #[arg(long, value_name = "A:B", value_parser = parse_range, help_heading = "In pieces")]
     samples: Option<Range<u32>>,
     /// Save the render so far to OUTPUT.checkpoint this often (`90s`, `5m`, `2h`), and when a signal ends it (exit code 75)
-    #[arg(long, value_name = "TIME", value_parser = parse_duration, help_heading = "In pieces")]
+    #[arg(long, value_name = "TIME", value_parser = parse_interval, help_heading = "In pieces")]
     checkpoint: Option<Duration>,
     /// Go on from OUTPUT.checkpoint where there is one; implies --checkpoint 5m
     #[arg(long, help_heading = "In pieces")]
@@ -73,13 +74,6 @@ fn parse_range(text: &str) -> Result<Range<u32>, String> {
     }
 }
 
-/// Seconds, minutes or hours.
-fn parse_duration(text: &str) -> Result<Duration, String> {
-    let units = [("s", 1.0), ("m", 60.0), ("h", 3600.0)];
-    let found = units.iter().find_map(|(letter, seconds)| Some((text.strip_suffix(letter)?, seconds)));
-    let seconds = found.and_then(|(digits, unit)| Some(digits.parse::<f64>().ok()? * unit));
-    match seconds.map(Duration::try_from_secs_f64) {
-        Some(Ok(duration)) if !duration.is_zero() => Ok(duration),
-        _ => Err("write it with its unit, like 90s, 5m or 1.5h".to_owned()),
-    }
+fn parse_interval(text: &str) -> Result<Duration, String> {
+    Duration::try_from_secs_f64(parse_duration(text)?).map_err(|error| error.to_string())
 }

@@ -72,7 +72,7 @@ fn parse_positive(text: &str) -> Result<f64, String> {
 }
 
 /// Seconds from `90`, `90s`, `1m30s`, `2h`.
-fn parse_duration(text: &str) -> Result<f64, String> {
+pub fn parse_duration(text: &str) -> Result<f64, String> {
     let mut seconds = 0.0;
     let mut rest = text;
     while !rest.is_empty() {

@@ -11,7 +11,7 @@ struct Cluster(Folder);
 
 impl Cluster {
     /// `None`, with a printed reason, where there can be none.
-    fn start() -> Option<Self> {
+    fn start(name: &str) -> Option<Self> {
         let has = |program: &str| {
             let found = Command::new("sh").args(["-c", &format!("command -v {program}")]).output();
             found.is_ok_and(|output| output.status.success())
@@ -21,7 +21,7 @@ impl Cluster {
             println!("skipped: needs root, and Slurm (apt-get install --no-install-recommends slurm-wlm munge)");
             return None;
         }
-        let cluster = Self(Folder::new("slurm"));
+        let cluster = Self(Folder::new(name));
         let port = loop {
             let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
             if port < u16::MAX && TcpListener::bind(("127.0.0.1", port + 1)).is_ok() {
@@ -100,8 +100,28 @@ fn repository(path: &str) -> String {
 }
 
 #[test]
+fn the_frames_of_a_turntable_come_from_several_tasks() {
+    let Some(cluster) = Cluster::start("slurm-frames") else { return };
+    fs::create_dir(cluster.0.file("frames")).unwrap();
+    let (script, scene) = (repository("contrib/slurm/frames.sbatch"), repository("tests/data/cli/room.dae"));
+    let job = ["--parsable", "--cpus-per-task=1", "--array=0-1", &script, &scene, "frames/f.####.png", "5", "2"];
+    let options = ["--size", "32x24", "--spp", "2"];
+    let job = cluster.text("sbatch", &[&job[..], &options].concat());
+    cluster.wait_for(&job, &["COMPLETED"]);
+    let pattern = cluster.0.file("frames/f.####.png");
+    let missing = [&["turntable", "room.dae", "-o", &pattern, "--frames", "5", "--missing"][..], &options].concat();
+    assert_eq!(succeed(&missing).stdout, "", "all are there, as one machine would have made them");
+    for number in 0..5 {
+        assert!(is_complete(Path::new(&cluster.0.file(&format!("frames/f.{number:04}.png")))));
+    }
+    let reports: Vec<String> = (0..2).map(|task| cluster.0.file(&format!("frames/frames-{task}.csv"))).collect();
+    let rows: usize = reports.iter().map(|file| fs::read_to_string(file).unwrap().lines().count() - 1).sum();
+    assert_eq!(rows, 5);
+}
+
+#[test]
 fn a_still_in_shards_survives_a_killed_task_with_the_bits_of_the_whole() {
-    let Some(cluster) = Cluster::start() else { return };
+    let Some(cluster) = Cluster::start("slurm-still") else { return };
     let spp = SPP.to_string();
     let whole =
         ["render", "room.dae", "-o", &cluster.0.file("whole.exr"), "--spp", &spp, "--size", "200x150", "--hash"];
