@@ -134,7 +134,7 @@ impl Grid {
             (x, y) = (2 * x + usize::from(further), 2 * y + usize::from(lower));
             cell += usize::from(further) + 2 * usize::from(lower);
         }
-        (x, y) = (x + (block % self.columns << self.levels), y + (block / self.columns << self.levels));
+        (x, y) = (x + ((block % self.columns) << self.levels), y + ((block / self.columns) << self.levels));
         let point = [(x as f32 + u[0]) / self.width as f32, (y as f32 + u[1]) / self.height as f32];
         (point, self.pyramid[self.levels as usize][cell] * self.scale)
     }
