@@ -585,7 +585,28 @@ def coated_glass():
     scene.save("coated_glass")
 
 
-SCENES = (gold_knot, bubbles, oil, christmas_balls, titanium, coated_glass)
+def facing_films():
+    scene = Scene("Two films that face each other: oxide on titanium and a film on gold, where three colour channels fail")
+    leaf = scene.mesh("leaf", rectangle(9, 9))
+    oxide = scene.material("oxide-on-titanium", (0.5, 0.4, 0.6),
+                           f'<conductor metal="Ti" roughness="0.06">{film(180, material="TiO2")}</conductor>')
+    coated = scene.material("film-on-gold", (0.8, 0.6, 0.2),
+                            f'<conductor metal="Au" roughness="0.06">{film(150, ior=2.2)}</conductor>')
+    for name, material, side in (("titanium", oxide, -1), ("gold", coated, 1)):
+        scene.place(leaf, material, ("rotate", 0, 1, 0, -58 * side), ("translate", side * 4.52, 4.52, 0),
+                    ("rotate", 1, 0, 0, 90), name=name + "-leaf")
+    felt = diffuse(scene, "felt", (0.25, 0.25, 0.25))
+    scene.place(scene.mesh("studio", backdrop(160, 60, 50, 20)), felt, ("translate", 0, 0, 30))
+    for name, side in (("left", -1), ("right", 1)):
+        scene.softbox(name + "-box", (38 * side, 12, 30), (0, 4, 4), 34, 34, (1.6, 1.6, 1.6))
+    scene.softbox("ceiling", (0, 48, 16), (0, 0, 4), 40, 40, (1.2, 1.2, 1.2))
+    scene.environment((0.2, 0.2, 0.2))
+    scene.camera((0, 11, 34), (0, 4.3, 2), 29, 1.5)
+    scene.render(480, 320, spp=128, max_bounces=12, exposure_ev=1.2)
+    scene.save("facing_films")
+
+
+SCENES = (gold_knot, bubbles, oil, christmas_balls, titanium, coated_glass, facing_films)
 
 
 def main():

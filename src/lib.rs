@@ -1,6 +1,6 @@
 //! pellicle: a path tracer for iridescence, light interfering in thin films.
 //!
-//! From `main` to a fringe: `cli` -> `batch::still` -> `render` -> `integrate::radiance` -> `Bsdf::sample` -> `Mode::split` ->
+//! From `main` to a fringe: `cli` -> `batch::still` -> `render` -> `integrate::radiances` -> `Bsdf::sample` -> `Mode::split` ->
 //! `film`. A room knows only the rooms above it in this list:
 
 pub mod math;

@@ -8,27 +8,39 @@ use std::time::{Duration, Instant};
 
 use pellicle::output::{is_complete, read_exr};
 
+#[path = "cli/animate.rs"]
+mod animate;
+#[path = "cli/batches.rs"]
+mod batches;
+#[path = "cli/encode.rs"]
+mod encode;
 #[path = "cli/faults.rs"]
 mod faults;
+#[path = "cli/merge.rs"]
+mod merge;
 #[path = "cli/signals.rs"]
 mod signals;
+#[path = "cli/slurm.rs"]
+mod slurm;
+#[path = "cli/turntable.rs"]
+mod turntable;
 
 /// An empty folder with the name of its test, removed at the end.
-struct Folder(PathBuf);
+pub struct Folder(PathBuf);
 
 impl Folder {
-    fn new(name: &str) -> Self {
+    pub fn new(name: &str) -> Self {
         let path = std::env::temp_dir().join(format!("pellicle-cli-{}-{name}", std::process::id()));
         let _ = fs::remove_dir_all(&path);
         fs::create_dir_all(&path).unwrap();
         Self(path)
     }
 
-    fn file(&self, name: &str) -> String {
+    pub fn file(&self, name: &str) -> String {
         self.0.join(name).to_str().unwrap().to_owned()
     }
 
-    fn names(&self) -> Vec<String> {
+    pub fn names(&self) -> Vec<String> {
         let entries = fs::read_dir(&self.0).unwrap();
         let mut names: Vec<String> = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
         names.sort();
@@ -51,10 +63,10 @@ fn command(arguments: &[&str]) -> Command {
 }
 
 /// What a finished run left behind.
-struct Run {
-    code: Option<i32>,
-    stdout: String,
-    stderr: String,
+pub struct Run {
+    pub code: Option<i32>,
+    pub stdout: String,
+    pub stderr: String,
 }
 
 impl From<Output> for Run {
@@ -64,19 +76,19 @@ impl From<Output> for Run {
     }
 }
 
-fn run(arguments: &[&str]) -> Run {
+pub fn run(arguments: &[&str]) -> Run {
     command(arguments).output().unwrap().into()
 }
 
 /// Runs and wants success.
-fn succeed(arguments: &[&str]) -> Run {
+pub fn succeed(arguments: &[&str]) -> Run {
     let run = run(arguments);
     assert_eq!(run.code, Some(0), "{arguments:?}: {}", run.stderr);
     run
 }
 
 /// Runs and wants this exit code; gives back what it said on stderr.
-fn fail(code: i32, arguments: &[&str]) -> String {
+pub fn fail(code: i32, arguments: &[&str]) -> String {
     let run = run(arguments);
     assert_eq!(run.code, Some(code), "{arguments:?}: {}", run.stderr);
     assert_eq!(run.stdout, "", "{arguments:?}");
@@ -269,7 +281,7 @@ fn check_survives_a_reader_that_goes_away() {
 #[test]
 fn help_shows_an_example_of_every_subcommand() {
     let overview = succeed(&["--help"]).stdout;
-    for subcommand in ["render", "check"] {
+    for subcommand in ["render", "turntable", "animate", "check", "film", "compare", "chart", "merge", "encode"] {
         assert!(overview.contains(&format!("  {subcommand}")), "{overview}");
         let help = succeed(&[subcommand, "--help"]).stdout;
         assert!(help.contains(&format!("  pellicle {subcommand} ")), "{help}");

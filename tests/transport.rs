@@ -90,7 +90,7 @@ impl Builder {
         let scene = Scene::<M>::new(stage.clone(), &FilmOptions { tolerance: 0.01, rung: None }).unwrap();
         let size = [Some(size), Some(size)];
         let (camera, _) = scene::Camera::new(&self.0, None, size, Framing::Scene, stage.bounds).unwrap();
-        let plan = Plan { spp, seed: 1, threads, filter: Filter::Box, limits };
+        let plan = Plan { spp, seed: 1, threads, filter: Filter::Box, limits, clamp: None };
         let frame = render(&scene, &camera, &plan, &Unwatched).unwrap();
         assert_eq!(frame.tally.non_finite, 0);
         frame
@@ -144,7 +144,7 @@ fn a_shining_furnace_adds_up_the_geometric_series() {
     // Inside a sphere that emits 1 and reflects a: 1 + a + a^2 + ... one term per bounce allowed.
     for a in [0.3, 0.8] {
         for bounces in [0, 1, 2, 5] {
-            for strategy in [Strategy::Bsdf, Strategy::Light, Strategy::Mis] {
+            for strategy in [Strategy::Bsdf, Strategy::Light, Strategy::Mis, Strategy::Shared] {
                 let mut scene = Builder::seen_from(Vec3::new(0.2, 0.1, 0.3), 60.0);
                 scene.sphere(Vec3::ZERO, 1.0, shining(diffuse(a), 1.0));
                 let (mean, error) = mean(&scene.render(8, 256, bounces, strategy, 2));
@@ -173,7 +173,7 @@ fn white_surfaces_vanish_in_a_white_sky() {
         ("film on white diffuse", coated(diffuse(1.0), 2.2, 200.0), 0.005),
     ];
     for (name, material, tolerance) in cases {
-        for strategy in [Strategy::Bsdf, Strategy::Mis] {
+        for strategy in [Strategy::Bsdf, Strategy::Mis, Strategy::Shared] {
             let mut scene = Builder::seen_from(Vec3::new(0.0, 0.0, 3.0), 50.0);
             scene.sphere(Vec3::ZERO, 1.0, material.clone());
             scene.sky(1.0);
@@ -228,7 +228,7 @@ fn lights_of_each_shape_give_the_irradiance_of_their_view_factor() {
             scene.geometry(turned, quad(4.0), diffuse(1.0));
             let place = Mat4::from_translation(Vec3::new(0.0, 0.0, h)) * Mat4::from_scale(scale);
             scene.light(place, LightKind::Area { shape, presence }, Vec3::ONE);
-            for strategy in [Strategy::Bsdf, Strategy::Light, Strategy::Mis] {
+            for strategy in [Strategy::Bsdf, Strategy::Light, Strategy::Mis, Strategy::Shared] {
                 let (mean, error) = mean(&scene.render(4, 2048, 1, strategy, 2));
                 let slack = 4.0 * error + 2e-3 * factor;
                 assert!(
@@ -282,8 +282,9 @@ pub fn assert_same_picture(a: &Frame, b: &Frame, what: &str) {
 #[test]
 fn all_strategies_see_the_same_picture() {
     let scene = crowded();
-    let [mis, light, bsdf] =
-        [Strategy::Mis, Strategy::Light, Strategy::Bsdf].map(|strategy| scene.render(24, 1024, 6, strategy, 0));
+    let [mis, light, bsdf, shared] = [Strategy::Mis, Strategy::Light, Strategy::Bsdf, Strategy::Shared]
+        .map(|strategy| scene.render(24, 1024, 6, strategy, 0));
+    assert_same_picture(&mis, &shared, "mis and shared");
     assert_same_picture(&mis, &light, "mis and light");
     assert_same_picture(&mis, &bsdf, "mis and bsdf");
 }
@@ -298,7 +299,7 @@ fn grey_scenes_look_alike_in_rgb_and_spectral() {
     scene.sphere(Vec3::new(0.0, 0.4, 0.8), 0.3, glass(1.5, 0.0));
     scene.sphere(Vec3::new(1.5, 2.2, 0.5), 0.3, shining(diffuse(0.0), 6.0));
     scene.sky(0.3);
-    let limits = PathLimits { max_bounces: 6, strategy: Strategy::Mis };
+    let limits = PathLimits { max_bounces: 6, strategy: Strategy::Shared };
     let rgb = scene.render_in::<Rgb>(24, 512, limits, 0);
     assert_same_picture(&rgb, &scene.render_in::<Spectral<4>>(24, 512, limits, 0), "4 wavelengths");
     assert_same_picture(&rgb, &scene.render_in::<Spectral<8>>(24, 512, limits, 0), "8 wavelengths");
@@ -312,7 +313,7 @@ fn any_number_of_wavelengths_converges_to_one_picture() {
     let index = Index::Named("SF10".into());
     let ball = Base::Dielectric { index, microfacets: rough(0.0), absorption_per_m: Vec3::ZERO, fresnel: true };
     scene.sphere(Vec3::new(-0.5, 0.25, 1.2), 0.25, material(ball));
-    let limits = PathLimits { max_bounces: 6, strategy: Strategy::Mis };
+    let limits = PathLimits { max_bounces: 6, strategy: Strategy::Shared };
     let four = scene.render_in::<Spectral<4>>(24, 1024, limits, 0);
     let sixteen = scene.render_in::<Spectral<16>>(24, 1024, limits, 0);
     assert_same_picture(&four, &sixteen, "4 and 16 wavelengths");
@@ -321,9 +322,9 @@ fn any_number_of_wavelengths_converges_to_one_picture() {
 #[test]
 fn any_number_of_threads_gives_the_same_bits() {
     let scene = crowded();
-    let one = scene.render(20, 4, 5, Strategy::Mis, 1);
+    let one = scene.render(20, 4, 5, Strategy::Shared, 1);
     for threads in [2, 3, 7] {
-        let many = scene.render(20, 4, 5, Strategy::Mis, threads);
+        let many = scene.render(20, 4, 5, Strategy::Shared, threads);
         assert!(one.rgb == many.rgb && one.variance == many.variance, "{threads} threads");
         assert_eq!(one.tally, many.tally);
     }
@@ -352,8 +353,8 @@ fn instances_look_like_copies() {
         scene.sky(0.5);
         scene.light(Mat4::IDENTITY, LightKind::Directional { angle_deg: 10.0 }, Vec3::ONE);
     }
-    let (a, ea) = mean(&copies.render(24, 128, 6, Strategy::Mis, 0));
-    let (b, eb) = mean(&instances.render(24, 128, 6, Strategy::Mis, 0));
+    let (a, ea) = mean(&copies.render(24, 128, 6, Strategy::Shared, 0));
+    let (b, eb) = mean(&instances.render(24, 128, 6, Strategy::Shared, 0));
     assert!((a - b).abs() < 4.0 * (ea * ea + eb * eb).sqrt(), "{a} +- {ea}, {b} +- {eb}");
 }
 

@@ -41,6 +41,10 @@ pub struct Stats {
     pub mrays_per_s: f64,
     /// Samples that were not numbers; they count as black.
     pub non_finite: u64,
+    /// Samples brighter than 2^32 (4.3e9), which count as that.
+    pub beyond_range: u64,
+    /// Samples that were scaled down to `--clamp`: the picture is too dark there.
+    pub clamped_samples: u64,
     /// Values that were too large for the file's half floats.
     pub clamped: u64,
     /// Pixels whose colour sRGB cannot show (PNG).
@@ -86,6 +90,8 @@ impl Stats {
         );
         for (count, what) in [
             (self.non_finite, "samples were not numbers (please report this)"),
+            (self.beyond_range, "samples were brighter than 4.3e9 and count as that"),
+            (self.clamped_samples, "samples were clamped: the picture is biased"),
             (self.clamped, "values were too large for half floats (use --float)"),
             (self.out_of_gamut, "pixels are outside sRGB and were clipped"),
         ] {

@@ -7,12 +7,14 @@ use std::time::Instant;
 use super::stats::{FilmStats, Stats};
 use crate::document::{Document, Shape};
 use crate::error::Error;
+use crate::film::Verdict;
 use crate::mode::Mode;
-use crate::output::{self, Format, HeaderValue, Picture, PngDepth, Written};
-use crate::render::{self, Frame, Plan, Watch};
+use crate::output::{self, Format, HeaderValue, Layer, LayerKind, Picture, PngDepth, Written};
+use crate::render::{self, Accumulation, Frame, Plan, Watch};
 use crate::scene::{BuildError, Camera, FilmOptions, Framing, Placed, Scene, Stage};
 
 /// What is to be made, with every default filled in.
+#[derive(Clone, Debug)]
 pub struct StillPlan {
     pub size: [Option<u32>; 2],
     /// Camera or node id; `None`: the first.
@@ -20,18 +22,24 @@ pub struct StillPlan {
     pub framing: Framing,
     pub films: FilmOptions,
     pub render: Plan,
-    /// PNG only.
-    pub exposure_ev: f32,
-    pub png_depth: PngDepth,
-    /// 32-bit EXR.
-    pub float: bool,
+    pub look: Look,
+    /// EXR only.
+    pub aovs: Vec<Aov>,
     /// Largest number of bytes for the picture; `None`: what the machine has left.
     pub max_memory: Option<u64>,
 }
 
+/// What a picture holds besides its colour.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Aov {
+    /// `variance.R/G/B`, 32-bit: the variance of each pixel's mean, as if its samples were independent (they are stratified,
+    /// which makes the true one smaller); infinite below two samples.
+    Variance,
+}
+
 /// A scene that is ready to render.
 pub struct Prepared<M: Mode> {
-    scene: Scene<M>,
+    pub(super) scene: Scene<M>,
     pub camera: Camera,
 }
 
@@ -40,7 +48,20 @@ pub struct Prepared<M: Mode> {
 /// # Errors
 /// Images or memory (see [`Stage::new`]), a camera that does not exist, or a picture too large for the memory.
 pub fn stage(document: &Document, plan: &StillPlan) -> Result<(Arc<Stage>, Camera, Vec<String>), Error> {
-    let stage = Stage::new(document, plan.render.threads).map_err(|source| built(document, source))?;
+    let (stage, camera, _, notes) = movable_stage(document, plan, Vec::new())?;
+    Ok((Arc::new(stage), camera, notes))
+}
+
+/// The same for a stage of which parts will move ([`Stage::movable`]), with the rule that placed the camera.
+///
+/// # Errors
+/// As [`stage`].
+pub fn movable_stage(
+    document: &Document,
+    plan: &StillPlan,
+    moving: Vec<bool>,
+) -> Result<(Stage, Camera, Placed, Vec<String>), Error> {
+    let stage = Stage::movable(document, plan.render.threads, moving).map_err(|source| built(document, source))?;
     let (camera, placed) =
         Camera::new(document, plan.camera.as_deref(), plan.size, plan.framing, stage.bounds).map_err(Error::Usage)?;
     render::check_memory(camera.size, plan.max_memory.unwrap_or_else(render::available_memory))?;
@@ -55,7 +76,7 @@ pub fn stage(document: &Document, plan: &StillPlan) -> Result<(Arc<Stage>, Camer
     if stage.lights.emitters.is_empty() {
         notes.push("warning: the scene has no light; the picture will be black".to_owned());
     }
-    Ok((Arc::new(stage), camera, notes))
+    Ok((stage, camera, placed, notes))
 }
 
 /// Compiles the materials for a colour mode.
@@ -80,8 +101,9 @@ impl<M: Mode> Prepared<M> {
     /// The opening line of a render.
     pub fn summary(&self, document: &Document, plan: &StillPlan) -> String {
         let [width, height] = self.camera.size;
+        let biased = biased(&plan.render).map(|how| format!(", biased: {how}")).unwrap_or_default();
         format!(
-            "{}: {} triangles, {} materials, {} emitters; {width}x{height}, {} spp, {} bounces",
+            "{}: {} triangles, {} materials, {} emitters; {width}x{height}, {} spp, {} bounces{biased}",
             document.path.display(),
             triangles(document),
             document.materials.len(),
@@ -95,6 +117,11 @@ impl<M: Mode> Prepared<M> {
     /// Threads that the machine cannot give.
     pub fn render(&self, plan: &StillPlan, watch: &dyn Watch) -> Result<Frame, Error> {
         Ok(render::render(&self.scene, &self.camera, &plan.render, watch)?)
+    }
+
+    /// Adds what `sums` lacks; as [`render`](Self::render).
+    pub fn accumulate(&self, plan: &StillPlan, sums: &mut Accumulation, watch: &dyn Watch) -> Result<(), Error> {
+        Ok(render::accumulate(&self.scene, &self.camera, &plan.render, sums, watch)?)
     }
 
     /// All that is known before the picture is written; [`Stats::finish`] adds the rest.
@@ -129,45 +156,98 @@ impl<M: Mode> Prepared<M> {
             samples_per_s: samples / frame.render_s,
             mrays_per_s: rays as f64 * 1e-6 / frame.render_s,
             non_finite: frame.tally.non_finite,
+            beyond_range: frame.tally.beyond_range,
+            clamped_samples: frame.tally.clamped,
             clamped: 0,
             out_of_gamut: 0,
             peak_rss_mb: render::peak_rss_mb(),
-            films: self
-                .scene
-                .verdicts()
-                .map(|(material, verdict)| FilmStats { material: material.to_owned(), verdict: verdict.clone() })
-                .collect(),
+            films: self.films(),
         }
     }
 
-    /// The frame with the header that tells how it was made.
-    pub fn picture(&self, frame: &Frame, stats: &Stats) -> Picture {
+    /// What the picture's file will tell of how it was made, but for samples and times.
+    pub fn header(&self, document: &Document, plan: &StillPlan) -> Vec<(String, HeaderValue)> {
         let text = |value: &str| HeaderValue::Text(value.to_owned());
-        let header = vec![
-            ("pellicle/version".to_owned(), text(stats.version)),
-            ("pellicle/scene".to_owned(), text(&stats.scene)),
-            ("pellicle/sceneHash".to_owned(), text(&stats.scene_sha256)),
-            ("pellicle/mode".to_owned(), text(stats.mode)),
-            ("pellicle/seed".to_owned(), HeaderValue::Int(stats.seed as i32)),
-            ("pellicle/sampleRange".to_owned(), text(&format!("0-{}", stats.spp))),
-            ("pellicle/films".to_owned(), text(&serde_json::to_string(&stats.films).unwrap_or_default())),
-            ("samplesPerPixel".to_owned(), HeaderValue::Int(stats.spp as i32)),
-            ("renderTimeSeconds".to_owned(), HeaderValue::Float(stats.render_s as f32)),
+        let mut header = vec![
+            ("pellicle/version".to_owned(), text(env!("CARGO_PKG_VERSION"))),
+            ("pellicle/scene".to_owned(), text(&document.path.display().to_string())),
+            ("pellicle/sceneHash".to_owned(), text(&document.sha256)),
+            ("pellicle/mode".to_owned(), text(M::NAME)),
+            ("pellicle/seed".to_owned(), HeaderValue::Int(plan.render.seed as i32)),
+            ("pellicle/films".to_owned(), text(&serde_json::to_string(&self.films()).unwrap_or_default())),
         ];
-        let rgba = frame.rgb.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect();
-        Picture { width: frame.width, height: frame.height, crop: None, rgba, layers: Vec::new(), header }
+        if let Some(how) = biased(&plan.render) {
+            header.push(("pellicle/biased".to_owned(), text(&how)));
+        }
+        header
     }
+
+    fn films(&self) -> Vec<FilmStats> {
+        let named = |(material, verdict): (&str, &Verdict)| FilmStats {
+            material: material.to_owned(),
+            verdict: verdict.clone(),
+        };
+        self.scene.verdicts().map(named).collect()
+    }
+}
+
+/// The frame with its further layers, and what is known of how it was made ([`Prepared::header`]).
+pub fn picture(frame: &Frame, aovs: &[Aov], mut header: Vec<(String, HeaderValue)>) -> Picture {
+    header.extend([
+        ("pellicle/sampleRange".to_owned(), HeaderValue::Text(format!("0-{}", frame.spp))),
+        ("samplesPerPixel".to_owned(), HeaderValue::Int(frame.spp as i32)),
+        ("renderTimeSeconds".to_owned(), HeaderValue::Float(frame.render_s as f32)),
+    ]);
+    let rgba = frame.rgb.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect();
+    let layers = aovs.iter().flat_map(|aov| aov.layers(frame)).collect();
+    Picture { width: frame.width, height: frame.height, crop: None, rgba, layers, header }
+}
+
+/// How pictures are written.
+#[derive(Clone, Copy, Debug)]
+pub struct Look {
+    /// PNG only.
+    pub exposure_ev: f32,
+    pub png_depth: PngDepth,
+    /// 32-bit EXR.
+    pub float: bool,
+}
+
+impl Aov {
+    /// The names of its channels.
+    pub fn channels(self) -> [&'static str; 3] {
+        match self {
+            Self::Variance => ["variance.R", "variance.G", "variance.B"],
+        }
+    }
+
+    fn layers(self, frame: &Frame) -> [Layer; 3] {
+        let values = match self {
+            Self::Variance => &frame.variance,
+        };
+        let layer = |channel: usize| Layer {
+            name: self.channels()[channel].to_owned(),
+            kind: LayerKind::Float,
+            data: values.iter().map(|value| value[channel]).collect(),
+        };
+        std::array::from_fn(layer)
+    }
+}
+
+/// How the picture's mean differs from the light's, if it does.
+fn biased(plan: &Plan) -> Option<String> {
+    plan.clamp.map(|limit| format!("samples clamped to {limit}"))
 }
 
 /// Writes the picture in the format that its name asks for, and says how long that took.
 ///
 /// # Errors
 /// The file cannot be written; an old file of that name is untouched then.
-pub fn write(path: &Path, format: Format, picture: &Picture, plan: &StillPlan) -> Result<(Written, f64), Error> {
+pub fn write(path: &Path, format: Format, picture: &Picture, look: Look) -> Result<(Written, f64), Error> {
     let start = Instant::now();
     let written = match format {
-        Format::Exr => output::write_exr(path, picture, plan.float)?,
-        Format::Png => output::write_png(path, picture, plan.exposure_ev, plan.png_depth)?,
+        Format::Exr => output::write_exr(path, picture, look.float)?,
+        Format::Png => output::write_png(path, picture, look.exposure_ev, look.png_depth)?,
     };
     Ok((written, start.elapsed().as_secs_f64()))
 }

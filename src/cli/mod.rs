@@ -1,10 +1,20 @@
 //! The command line. The only room that prints.
 
+mod animate;
+mod batch_progress;
+mod chart;
 mod check;
+mod compare;
+mod encode;
 mod film;
+mod merge;
 mod progress;
 mod render;
+mod sampling;
 mod scene_args;
+mod sequence;
+mod stack_args;
+mod turntable;
 
 use std::io::Write;
 use std::process::ExitCode;
@@ -25,9 +35,15 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    Render(render::RenderArgs),
+    Render(Box<render::RenderArgs>),
+    Turntable(Box<turntable::TurntableArgs>),
+    Animate(Box<animate::AnimateArgs>),
     Check(check::CheckArgs),
     Film(Box<film::FilmArgs>),
+    Merge(merge::MergeArgs),
+    Encode(encode::EncodeArgs),
+    Compare(compare::CompareArgs),
+    Chart(Box<chart::ChartArgs>),
 }
 
 /// Runs the program: 0 when all is done, else the code that [`Error::exit_code`] documents.
@@ -35,8 +51,14 @@ pub fn main() -> ExitCode {
     let cli = Cli::parse();
     let result = match cli.command {
         Command::Render(args) => render::run(&args),
+        Command::Turntable(args) => turntable::run(&args),
+        Command::Animate(args) => animate::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Film(args) => film::run(&args),
+        Command::Merge(args) => merge::run(&args),
+        Command::Encode(args) => encode::run(&args),
+        Command::Chart(args) => chart::run(&args),
+        Command::Compare(args) => compare::run(&args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

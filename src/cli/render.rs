@@ -1,6 +1,7 @@
 //! `pellicle render`: one picture.
 
-use std::path::PathBuf;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -8,17 +9,20 @@ use clap::{Args, ValueEnum};
 use signal_hook::consts::{SIGINT, SIGTERM};
 
 use super::progress::{Progress, ProgressArg};
-use super::say;
+use super::sampling::{SamplingArgs, Target};
 use super::scene_args::{FramingArg, SceneArgs};
-use crate::batch::still::{self, StillPlan};
+use super::{print, say};
+use crate::batch::checkpoint::Saver;
+use crate::batch::still::{self, Aov, Look, StillPlan};
 use crate::batch::{Transport, choose_mode};
+use crate::collada::Warning;
 use crate::document::{Document, RenderHints};
 use crate::error::Error;
 use crate::film::Rung;
 use crate::integrate::{PathLimits, Strategy};
 use crate::mode::{Mode, Rgb, Spectral};
 use crate::output::{self, Format, PngDepth};
-use crate::render::{Filter, Frame, Plan};
+use crate::render::{Accumulation, Filter, Plan};
 use crate::scene::{Camera, FilmOptions, Stage};
 
 /// Render a picture of a scene
@@ -32,16 +36,30 @@ use crate::scene::{Camera, FilmOptions, Stage};
   pellicle render scene.dae -o quick.png --spp 8 --exposure 1")]
 pub struct RenderArgs {
     #[command(flatten)]
-    scene: SceneArgs,
+    pub(super) scene: SceneArgs,
     /// Where to write the picture: .exr or .png
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
+    #[command(flatten)]
+    pub(super) picture: PictureArgs,
+    #[command(flatten)]
+    sampling: SamplingArgs,
+    /// Write timings, counts and settings as JSON
+    #[arg(long, value_name = "FILE")]
+    stats: Option<PathBuf>,
+    #[command(flatten)]
+    pub(super) talk: TalkArgs,
+}
+
+/// How pictures are made: shared by every subcommand that renders.
+#[derive(Args)]
+pub struct PictureArgs {
     /// Picture size in pixels; one of the two may be left out (`1280x`, `x720`)
     #[arg(short = 'r', long, value_name = "WxH", value_parser = parse_size)]
     size: Option<Size>,
     /// Samples per pixel [default: the scene's, or 128]
     #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
-    spp: Option<u32>,
+    pub spp: Option<u32>,
     /// Seed of the sample pattern [default: the scene's, or 0]
     #[arg(long, value_name = "N")]
     seed: Option<u32>,
@@ -65,7 +83,7 @@ pub struct RenderArgs {
     mode: Option<ModeArg>,
     /// Wavelengths per path of spectral transport
     #[arg(long, value_name = "N", value_parser = ["4", "8", "16"], default_value = "8")]
-    wavelengths: String,
+    pub wavelengths: String,
     /// Film model, instead of the cheapest one within the tolerance
     #[arg(long, value_name = "RUNG", value_enum)]
     film: Option<RungArg>,
@@ -75,6 +93,9 @@ pub struct RenderArgs {
     /// How light is found; the others are there to check `shared`
     #[arg(long, value_name = "NAME", value_enum, default_value = "shared")]
     strategy: StrategyArg,
+    /// Scale samples brighter than this down to it, against fireflies; biased, and said so in the picture's header
+    #[arg(long, value_name = "RADIANCE", value_parser = parse_clamp)]
+    pub(super) clamp: Option<f32>,
     /// Brightness of PNG pictures, in stops [default: the scene's, or 0]
     #[arg(long, value_name = "EV", allow_negative_numbers = true)]
     exposure: Option<f32>,
@@ -84,18 +105,41 @@ pub struct RenderArgs {
     /// Write 32-bit instead of 16-bit floats to EXR
     #[arg(long)]
     float: bool,
+    /// More layers for EXR, with commas between them
+    #[arg(long = "aov", value_name = "LIST", value_enum, value_delimiter = ',')]
+    aovs: Vec<AovArg>,
     /// Most memory for the picture, like `8G` or `500M` [default: what the machine has left]
     #[arg(long, value_name = "SIZE", value_parser = parse_bytes)]
     max_memory: Option<u64>,
-    /// Write timings, counts and settings as JSON
-    #[arg(long, value_name = "FILE")]
-    stats: Option<PathBuf>,
+}
+
+/// What is said on the way.
+#[derive(Args)]
+pub struct TalkArgs {
     /// How progress is shown on stderr
     #[arg(long, value_name = "STYLE", value_enum, default_value = "auto")]
-    progress: ProgressArg,
+    pub progress: ProgressArg,
     /// Say nothing but errors
     #[arg(short, long)]
-    quiet: bool,
+    pub quiet: bool,
+}
+
+impl TalkArgs {
+    pub fn inform(&self, line: &str) {
+        if !self.quiet {
+            say(line);
+        }
+    }
+
+    pub fn warn(&self, warnings: &[Warning]) {
+        for warning in warnings {
+            self.inform(&format!("warning: {warning}"));
+        }
+    }
+
+    pub fn style(&self) -> ProgressArg {
+        if self.quiet { ProgressArg::None } else { self.progress }
+    }
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -105,8 +149,8 @@ enum FilterArg {
     BlackmanHarris,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
-enum ModeArg {
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum ModeArg {
     /// RGB where it is exact enough for the scene, else spectral
     Auto,
     Rgb,
@@ -137,13 +181,19 @@ enum StrategyArg {
     Bsdf,
 }
 
-#[derive(Clone, Copy)]
-struct Size {
-    width: Option<u32>,
-    height: Option<u32>,
+#[derive(Clone, Copy, ValueEnum)]
+pub(super) enum AovArg {
+    /// Variance of each pixel's mean (variance.R, variance.G, variance.B)
+    Variance,
 }
 
-fn parse_size(text: &str) -> Result<Size, String> {
+#[derive(Clone, Copy)]
+pub struct Size {
+    pub(super) width: Option<u32>,
+    pub(super) height: Option<u32>,
+}
+
+pub(super) fn parse_size(text: &str) -> Result<Size, String> {
     let (width, height) = text.split_once(['x', 'X']).ok_or("write it as WIDTHxHEIGHT, like 1920x1080")?;
     let side = |digits: &str| match digits {
         "" => Ok(None),
@@ -158,6 +208,13 @@ fn parse_size(text: &str) -> Result<Size, String> {
     }
 }
 
+fn parse_clamp(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(limit) if limit.is_finite() && limit > 0.0 => Ok(limit),
+        _ => Err("give a radiance above 0, in the scene's units, like 10".to_owned()),
+    }
+}
+
 /// Bytes, or with the letters k, M, G, T the powers of 1000.
 fn parse_bytes(text: &str) -> Result<u64, String> {
     let letters = ["k", "M", "G", "T"];
@@ -167,14 +224,28 @@ fn parse_bytes(text: &str) -> Result<u64, String> {
     bytes.ok_or_else(|| "write it as a whole number of bytes, or like `500M` or `8G`".to_owned())
 }
 
+/// Each once.
+pub(super) fn aovs(args: &[AovArg]) -> Vec<Aov> {
+    let mut aovs: Vec<Aov> = args.iter().map(|AovArg::Variance| Aov::Variance).collect();
+    aovs.dedup();
+    aovs
+}
+
+/// PNG cannot hold what EXR can.
+pub(super) fn check_aovs(output: &Path, format: Format, aovs: &[AovArg]) -> Result<(), Error> {
+    if format == Format::Exr || aovs.is_empty() {
+        return Ok(());
+    }
+    let problem = format!("{}: PNG has no room for the layers of --aov", output.display());
+    Err(Error::Usage(format!("{problem}; write .exr")))
+}
+
 pub fn run(args: &RenderArgs) -> Result<(), Error> {
-    let inform = |line: &str| {
-        if !args.quiet {
-            say(line);
-        }
-    };
     // Find out now, not after hours, whether the results can be written.
-    let format = output::check_picture(&args.output)?;
+    let target = args.sampling.target(&args.output)?;
+    if let Target::Picture(format) = target {
+        check_aovs(&args.output, format, &args.picture.aovs)?;
+    }
     if let Some(stats) = &args.stats {
         output::check_writable(stats)?;
     }
@@ -182,32 +253,19 @@ pub fn run(args: &RenderArgs) -> Result<(), Error> {
     let loading = std::time::Instant::now();
     let (document, warnings) = args.scene.load()?;
     let parse_s = loading.elapsed().as_secs_f64();
-    if !args.quiet {
-        for warning in &warnings {
-            say(&format!("warning: {warning}"));
-        }
-    }
+    args.talk.warn(&warnings);
 
-    let plan = args.plan(&document.render);
+    let plan = args.picture.plan(&document.render);
     let (stage, camera, notes) = still::stage(&document, &plan)?;
     for note in &notes {
-        inform(note);
+        args.talk.inform(note);
     }
-    let transport = match args.mode_of(&document.render)? {
-        ModeArg::Rgb => Transport::Rgb,
-        ModeArg::Spectral => Transport::Spectral,
-        ModeArg::Auto => {
-            let (transport, reason) = choose_mode(&document, &plan, &stage, &camera)?;
-            let name = if transport == Transport::Rgb { "rgb" } else { "spectral" };
-            inform(&format!("mode: {name} ({reason})"));
-            transport
-        }
-    };
-    let job = Job { args, document: &document, plan: &plan, stage: &stage, camera: &camera, format, parse_s };
-    match (transport, args.wavelengths.as_str()) {
+    let transport = args.picture.transport(&document, &plan, &stage, &camera, &args.talk)?;
+    let job = Job { args, document: &document, plan: &plan, stage: &stage, camera: &camera, target, parse_s };
+    match (transport, args.picture.wavelengths()) {
         (Transport::Rgb, _) => job.render::<Rgb>(),
-        (Transport::Spectral, "4") => job.render::<Spectral<4>>(),
-        (Transport::Spectral, "16") => job.render::<Spectral<16>>(),
+        (Transport::Spectral, 4) => job.render::<Spectral<4>>(),
+        (Transport::Spectral, 16) => job.render::<Spectral<16>>(),
         (Transport::Spectral, _) => job.render::<Spectral<8>>(),
     }
 }
@@ -219,57 +277,143 @@ struct Job<'a> {
     plan: &'a StillPlan,
     stage: &'a Arc<Stage>,
     camera: &'a Camera,
-    format: Format,
+    target: Target,
     parse_s: f64,
 }
 
 impl Job<'_> {
     fn render<M: Mode>(&self) -> Result<(), Error> {
         let Self { args, document, plan, .. } = self;
-        let inform = |line: &str| {
-            if !args.quiet {
-                say(line);
-            }
-        };
+        let samples = args.sampling.range(plan.render.spp)?;
         let prepared = still::prepare::<M>(document, plan, self.stage, self.camera)?;
         // Until here a signal simply ends the program: there is nothing to save yet.
         let signal = signals();
-        inform(&prepared.summary(document, plan));
+        args.talk.inform(&prepared.summary(document, plan));
 
-        let style = if args.quiet { ProgressArg::None } else { args.progress };
-        let [width, height] = prepared.camera.size;
-        let samples = u64::from(width) * u64::from(height) * u64::from(plan.render.spp);
-        let progress = Progress::new(style, samples, signal.clone());
-        let frame = prepared.render(plan, &progress)?;
+        let saver = match self.in_pieces() {
+            true => Some(Saver::new(&prepared, document, plan, args.scene.reading(), &args.output)?),
+            false => None,
+        };
+        let earlier = match (&saver, args.sampling.resume) {
+            (Some(saver), true) => self.earlier(saver, &samples)?,
+            _ => None,
+        };
+        let mut sums = earlier.unwrap_or_else(|| Accumulation::new(prepared.camera.size, samples));
+        let [width, height] = sums.size;
+        let left = sums.samples.len() as u64 - u64::from(sums.spp());
+        let progress = Progress::new(args.talk.style(), u64::from(width) * u64::from(height) * left, signal.clone());
+        match (&saver, args.sampling.checkpoint()) {
+            (Some(saver), Some(every)) => saver.accumulate(&mut sums, every, &progress)?,
+            _ => prepared.accumulate(plan, &mut sums, &progress)?,
+        }
         progress.finish();
 
-        let stopped = stopped(&signal, &frame, plan);
-        if frame.spp == 0 {
+        let stopped = self.stopped(saver.as_ref(), &signal, &sums);
+        if !sums.is_complete() && (saver.is_some() || sums.spp() == 0) {
             return stopped;
         }
+        if let (Some(saver), Target::Part) = (&saver, self.target) {
+            saver.save(&args.output, &sums)?;
+        }
+        let frame = sums.into_frame();
         let mut stats = prepared.stats(document, plan, &frame, self.parse_s);
-        let picture = prepared.picture(&frame, &stats);
-        let (written, write_s) = still::write(&args.output, self.format, &picture, plan)?;
-        stats.finish(&written, write_s);
+        if let Target::Picture(format) = self.target {
+            let picture = still::picture(&frame, &plan.aovs, prepared.header(document, plan));
+            let (written, write_s) = still::write(&args.output, format, &picture, plan.look)?;
+            stats.finish(&written, write_s);
+        }
+        if let Some(saver) = &saver {
+            saver.forget();
+        }
         if let Some(path) = &args.stats {
             output::write_text(path, &stats.to_json())?;
         }
-        inform(&stats.summary(&args.output));
+        args.talk.inform(&stats.summary(&args.output));
+        if args.sampling.hash {
+            print(&format!("{}\n", frame.sha256()))?;
+        }
         stopped
     }
-}
 
-/// The error that a signal makes of a render that is shorter for it.
-fn stopped(signal: &AtomicUsize, frame: &Frame, plan: &StillPlan) -> Result<(), Error> {
-    if frame.spp == plan.render.spp {
-        return Ok(());
+    /// What `--resume` goes on from, if anything.
+    fn earlier<M: Mode>(&self, saver: &Saver<M>, samples: &Range<u32>) -> Result<Option<Accumulation>, Error> {
+        let inform = |line: &str| self.args.talk.inform(line);
+        match saver.restore(&saver.checkpoint, samples, inform)? {
+            // A part that is done already is not rendered again.
+            None if self.target == Target::Part => saver.restore(&self.args.output, samples, inform),
+            sums => Ok(sums),
+        }
     }
-    let signal = signal.load(Ordering::Relaxed) as i32;
-    let name = if signal == SIGINT { "SIGINT" } else { "SIGTERM" };
-    Err(Error::Interrupted { signal, name, done: frame.spp, wanted: plan.render.spp })
+
+    /// The sums themselves go into a file, or may.
+    fn in_pieces(&self) -> bool {
+        self.target == Target::Part || self.args.sampling.checkpoint().is_some()
+    }
+
+    /// The error that a signal makes of a render that is shorter for it.
+    fn stopped<M: Mode>(
+        &self,
+        saver: Option<&Saver<M>>,
+        signal: &AtomicUsize,
+        sums: &Accumulation,
+    ) -> Result<(), Error> {
+        if sums.is_complete() {
+            return Ok(());
+        }
+        let signal = signal.load(Ordering::Relaxed) as i32;
+        let name = if signal == SIGINT { "SIGINT" } else { "SIGTERM" };
+        let (done, wanted) = (sums.spp(), sums.samples.len() as u32);
+        match saver {
+            Some(saver) if self.args.sampling.checkpoint().is_some() => {
+                Err(Error::Suspended { name, done, wanted, checkpoint: saver.checkpoint.clone() })
+            }
+            Some(_) => Err(Error::Interrupted { signal, name, done: 0, wanted }),
+            None => Err(Error::Interrupted { signal, name, done, wanted }),
+        }
+    }
 }
 
 impl RenderArgs {
+    /// Whether another render reads and views its scene alike.
+    pub(super) fn sees_like(&self, other: &Self) -> bool {
+        let (a, b) = (&self.picture, &other.picture);
+        (&self.scene, &a.camera, a.framing) == (&other.scene, &b.camera, b.framing)
+    }
+}
+
+impl PictureArgs {
+    pub fn wavelengths(&self) -> usize {
+        // Clap lets no other values through.
+        self.wavelengths.parse().unwrap_or(8)
+    }
+
+    /// The colour transport that is asked for, or that a pilot finds to be needed.
+    pub fn transport(
+        &self,
+        document: &Document,
+        plan: &StillPlan,
+        stage: &Arc<Stage>,
+        camera: &Camera,
+        talk: &TalkArgs,
+    ) -> Result<Transport, Error> {
+        match self.mode_of(&document.render)? {
+            ModeArg::Rgb => Ok(Transport::Rgb),
+            ModeArg::Spectral => Ok(Transport::Spectral),
+            ModeArg::Auto => {
+                let (transport, reason) = choose_mode(document, plan, stage, camera)?;
+                let name = if transport == Transport::Rgb { "rgb" } else { "spectral" };
+                talk.inform(&format!("mode: {name} ({reason})"));
+                Ok(transport)
+            }
+        }
+    }
+
+    /// The mode that is asked for, in words.
+    pub fn mode_words(&self, hints: &RenderHints) -> String {
+        let asked = self.mode.map(|mode| format!("{mode:?}")).or_else(|| hints.mode.clone());
+        format!("{} {}", asked.unwrap_or_default().to_lowercase(), self.wavelengths)
+    }
+
     fn mode_of(&self, hints: &RenderHints) -> Result<ModeArg, Error> {
         match (self.mode, hints.mode.as_deref()) {
             (Some(mode), _) => Ok(mode),
@@ -280,7 +424,7 @@ impl RenderArgs {
     }
 
     /// What is meant: the command line over the scene's hints over the defaults.
-    fn plan(&self, hints: &RenderHints) -> StillPlan {
+    pub fn plan(&self, hints: &RenderHints) -> StillPlan {
         let size = self.size.unwrap_or(Size { width: hints.width, height: hints.height });
         StillPlan {
             size: [size.width, size.height],
@@ -313,17 +457,21 @@ impl RenderArgs {
                         StrategyArg::Bsdf => Strategy::Bsdf,
                     },
                 },
+                clamp: self.clamp,
             },
-            exposure_ev: self.exposure.or(hints.exposure_ev).unwrap_or(0.0),
-            png_depth: if self.png_depth == "16" { PngDepth::Sixteen } else { PngDepth::Eight },
-            float: self.float,
+            look: Look {
+                exposure_ev: self.exposure.or(hints.exposure_ev).unwrap_or(0.0),
+                png_depth: if self.png_depth == "16" { PngDepth::Sixteen } else { PngDepth::Eight },
+                float: self.float,
+            },
+            aovs: aovs(&self.aovs),
             max_memory: self.max_memory,
         }
     }
 }
 
 /// The number of the signal that asked the program to end, 0 until then. A second one ends it at once.
-fn signals() -> Arc<AtomicUsize> {
+pub fn signals() -> Arc<AtomicUsize> {
     let signal = Arc::new(AtomicUsize::new(0));
     let armed = Arc::new(std::sync::atomic::AtomicBool::new(false));
     for number in [SIGINT, SIGTERM] {

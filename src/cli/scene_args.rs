@@ -9,7 +9,7 @@ use crate::document::Document;
 use crate::error::Error;
 use crate::scene::Framing;
 
-#[derive(Args)]
+#[derive(Args, PartialEq)]
 pub struct SceneArgs {
     /// The scene: COLLADA .dae or .zae
     #[arg(value_name = "SCENE")]
@@ -37,20 +37,20 @@ pub struct SceneArgs {
     pub light_falloff: FalloffArg,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
 pub enum MissingTextureArg {
     Error,
     Magenta,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
 pub enum UpAxisArg {
     X,
     Y,
     Z,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
 pub enum FalloffArg {
     /// Physical, unless the file gives its own attenuation
     Auto,
@@ -61,7 +61,7 @@ pub enum FalloffArg {
 }
 
 /// How the camera is placed.
-#[derive(Clone, Copy, ValueEnum)]
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
 pub enum FramingArg {
     /// CS184's rule where a CS184 file needs it, else as written
     Auto,
@@ -83,7 +83,16 @@ impl From<FramingArg> for Framing {
 
 impl SceneArgs {
     pub fn load(&self) -> Result<(Document, Vec<Warning>), Error> {
-        let options = LoadOptions {
+        Ok(collada::load(&self.scene, &self.options())?)
+    }
+
+    /// How the file is read, as far as the pictures depend on it: not where images may lie.
+    pub fn reading(&self) -> String {
+        format!("{:?}", LoadOptions { allow_path: Vec::new(), ..self.options() })
+    }
+
+    pub fn options(&self) -> LoadOptions {
+        LoadOptions {
             allow_path: self.allow_path.clone(),
             lenient: self.lenient,
             smooth_normals: self.smooth_normals,
@@ -103,7 +112,6 @@ impl SceneArgs {
                 MissingTextureArg::Magenta => MissingTexture::Magenta,
             },
             ..LoadOptions::default()
-        };
-        Ok(collada::load(&self.scene, &options)?)
+        }
     }
 }

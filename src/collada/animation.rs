@@ -7,6 +7,7 @@ use crate::document::{Channel, Interpolation};
 use super::error::Fault;
 use super::loader::Loader;
 use super::sources::Arrays;
+use super::targets::{self, Aim};
 use super::xml::Element;
 
 /// Names shown of the targets that are missing.
@@ -18,10 +19,11 @@ pub fn read(loader: &mut Loader) -> Result<(), Fault> {
     let mut arrays = Arrays::default();
     for element in loader.xml.all().filter(|element| element.name() == "channel") {
         let target = element.attribute("target").unwrap_or_default();
-        if !is_in_scene(loader, target) {
+        let aim = targets::resolve(loader, target);
+        if aim.drives.is_empty() {
             missing.push(element);
-        } else if let Some(channel) = channel(loader, &mut arrays, element, target)? {
-            loader.document.channels.push(channel);
+        } else if let Some(channel) = channel(loader, &mut arrays, element, target, &aim)? {
+            loader.document.channels.extend(aim.drives.iter().map(|&drives| Channel { drives, ..channel.clone() }));
         }
     }
     if let Some(first) = missing.first() {
@@ -32,32 +34,6 @@ pub fn read(loader: &mut Loader) -> Result<(), Fault> {
         loader.warnings.add_many(*first, missing.len(), seen, "it is ignored");
     }
     Ok(())
-}
-
-/// Whether `id/sid...` names a part of a node, camera or light that the scene uses.
-fn is_in_scene(loader: &Loader, target: &str) -> bool {
-    let Some((id, path)) = target.split_once('/') else { return false };
-    let sid = path.rsplit('/').next().unwrap_or_default().split(['.', '(']).next().unwrap_or_default();
-    let Some(element) = loader.by_id(id, &["node", "camera", "light"]) else { return false };
-    let index = element.index();
-    let used = match element.name() {
-        "node" => loader.nodes.contains_key(&index),
-        "camera" => loader.cameras.contains_key(&index),
-        "light" => loader.lights.contains_key(&index),
-        _ => false,
-    };
-    used && !sid.is_empty() && has_sid(element, sid)
-}
-
-fn has_sid(element: Element, sid: &str) -> bool {
-    let mut open: Vec<Element> = element.children().collect();
-    while let Some(next) = open.pop() {
-        if next.attribute("sid") == Some(sid) {
-            return true;
-        }
-        open.extend(next.children());
-    }
-    false
 }
 
 /// Rows of numbers of one sampler input.
@@ -72,6 +48,7 @@ fn channel<'a>(
     arrays: &mut Arrays,
     element: Element<'a>,
     target: &str,
+    aim: &Aim,
 ) -> Result<Option<Channel>, Fault> {
     let sampler = loader.follow(element, "source", &["sampler"])?;
     let mut input = |loader: &mut Loader<'a>, semantic: &str| -> Result<Option<Rows>, Fault> {
@@ -101,9 +78,14 @@ fn channel<'a>(
     if times.values.windows(2).any(|pair| pair[0] >= pair[1]) {
         return refuse(loader, "the times do not increase");
     }
+    if let Err(reason) = aim.takes(width) {
+        return refuse(loader, &reason);
+    }
     let interpolation = interpolation(loader, sampler, keys)?;
     let mut channel = Channel {
         target: target.to_owned(),
+        drives: aim.drives[0],
+        member: aim.member,
         times_s: times.values,
         values: output.values,
         width,
@@ -129,8 +111,9 @@ fn input_of<'a>(sampler: Element<'a>, semantic: &str) -> Option<Element<'a>> {
     sampler.children().find(|child| child.name() == "input" && child.attribute("semantic") == Some(semantic))
 }
 
-/// (time, value) pairs, `width` per key. `side`: -1 for in-tangents, 1 for out-tangents; tangents without times lie a third
-/// of the way to the neighbouring key, as COLLADA 1.4.1 has it for one-dimensional ones.
+/// (time, value) pairs, `width` per key. `side`: -1 for in-tangents, 1 for out-tangents. Control points without times lie a
+/// third of the way to the neighbouring key, as COLLADA 1.4.1 has it for one-dimensional ones; Hermite tangents without
+/// times are as long as the whole way, which is the same curve.
 fn tangents(rows: &Rows, channel: &Channel, side: f32) -> Option<Vec<Vec2>> {
     let (times, width) = (&channel.times_s, channel.width);
     let keys = times.len();
@@ -144,7 +127,10 @@ fn tangents(rows: &Rows, channel: &Channel, side: f32) -> Option<Vec<Vec2>> {
         let neighbour = if side < 0.0 { key.checked_sub(1) } else { Some(key + 1).filter(|&next| next < keys) };
         // At the ends the curve has no segment on that side: the next one's length stands in.
         let other = neighbour.or(if side < 0.0 { Some(key + 1) } else { key.checked_sub(1) }).filter(|&key| key < keys);
-        times[key] + side * other.map_or(0.0, |other| (times[other] - times[key]).abs()) / 3.0
+        let way = other.map_or(0.0, |other| (times[other] - times[key]).abs());
+        // The kind of a segment stands at its first key.
+        let first = if side < 0.0 { key.saturating_sub(1) } else { key };
+        if channel.interpolation[first] == Interpolation::Hermite { way } else { times[key] + side * way / 3.0 }
     };
     Some(rows.values.iter().enumerate().map(|(i, &value)| Vec2::new(time(i / width), value)).collect())
 }

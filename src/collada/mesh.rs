@@ -37,7 +37,6 @@ struct Pools {
     uvs: Pool<Vec2>,
     /// The `set` numbers, in the order in which they were met: one channel each.
     sets: Vec<u32>,
-    arrays: Arrays,
 }
 
 impl<T> Default for Pool<T> {
@@ -71,21 +70,18 @@ impl<T> Pool<T> {
 
 /// Reads a mesh. A mesh without triangles is not an error here.
 pub fn read<'a>(loader: &mut Loader<'a>, mesh: Element<'a>) -> Result<Mesh, Fault> {
-    let mut pools = Pools {
-        points: Pool::default(),
-        normals: Pool::default(),
-        uvs: Pool::default(),
-        sets: Vec::new(),
-        arrays: Arrays::default(),
-    };
+    let mut pools = Pools { points: Pool::default(), normals: Pool::default(), uvs: Pool::default(), sets: Vec::new() };
+    let mut arrays = Arrays::default();
     let mut layouts = Vec::new();
     for primitive in mesh.children() {
         if SURFACES.contains(&primitive.name()) {
-            layouts.push(pools.layout(loader, primitive)?);
+            layouts.push(pools.layout(&mut arrays, loader, primitive)?);
         } else if LINES.contains(&primitive.name()) {
             loader.warnings.add(primitive, format!("<{}> are not surfaces", primitive.name()), "they are ignored");
         }
     }
+    // The pools hold all that is needed of them, and indices are about to take as much memory.
+    drop(arrays);
     let channels = pools.sets.len();
     layouts.iter_mut().for_each(|layout| layout.uvs.resize(channels, None));
     let with_normals = !loader.options.smooth_normals && layouts.iter().any(|layout| layout.normal.is_some());
@@ -93,7 +89,12 @@ pub fn read<'a>(loader: &mut Loader<'a>, mesh: Element<'a>) -> Result<Mesh, Faul
 }
 
 impl Pools {
-    fn layout<'a>(&mut self, loader: &mut Loader<'a>, primitive: Element<'a>) -> Result<Layout<'a>, Fault> {
+    fn layout<'a>(
+        &mut self,
+        arrays: &mut Arrays,
+        loader: &mut Loader<'a>,
+        primitive: Element<'a>,
+    ) -> Result<Layout<'a>, Fault> {
         let mut stride = 1;
         let mut position = None;
         let mut normal = None;
@@ -125,13 +126,12 @@ impl Pools {
             let fault = primitive.fault(format!("this <{}> has no positions", primitive.name()));
             return Err(fault.hint("it needs <input semantic=\"VERTEX\"> to <vertices> with a POSITION input"));
         };
-        let position = self.points.stream(&mut self.arrays, loader, position, |accessor| accessor.points())?;
-        let normal = normal
-            .map(|at| self.normals.stream(&mut self.arrays, loader, at, |accessor| accessor.vectors()))
-            .transpose()?;
+        let position = self.points.stream(arrays, loader, position, |accessor| accessor.points())?;
+        let normal =
+            normal.map(|at| self.normals.stream(arrays, loader, at, |accessor| accessor.vectors())).transpose()?;
         let mut layout = Layout { primitive, stride, position, normal, uvs: Vec::new() };
         for (set, at) in uvs {
-            let stream = self.uvs.stream(&mut self.arrays, loader, at, |accessor| accessor.pairs())?;
+            let stream = self.uvs.stream(arrays, loader, at, |accessor| accessor.pairs())?;
             // `whole_number` reads 32 bits.
             let set = set as u32;
             let channel = self.sets.iter().position(|&known| known == set).unwrap_or(self.sets.len());

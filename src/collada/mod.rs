@@ -41,6 +41,7 @@ mod primitives;
 mod profile;
 mod sources;
 mod sweep;
+mod targets;
 mod transforms;
 mod vertices;
 mod visual_scene;
@@ -135,6 +136,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<(Document, Vec<Warning
     loader.document.path = path.to_owned();
     loader.document.sha256 = sha256;
     visual_scene::read(&mut loader).map_err(|fault| fault.locate(path, &xml))?;
+    loader.document.come_near();
     let warnings = loader.warnings.finish(path, &xml);
     Ok((loader.document, warnings))
 }

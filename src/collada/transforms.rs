@@ -8,6 +8,9 @@ use super::error::Fault;
 use super::numbers;
 use super::xml::Element;
 
+/// The elements that are transforms.
+pub const NAMES: [&str; 6] = ["matrix", "translate", "scale", "rotate", "lookat", "skew"];
+
 /// In document order, which is the order of composition.
 pub fn read(node: Element) -> Result<Vec<Transform>, Fault> {
     let mut transforms = Vec::new();

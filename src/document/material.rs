@@ -105,6 +105,9 @@ pub struct SurfaceEmission {
     pub two_sided: bool,
 }
 
+/// Thickest film, nm.
+pub const THICKEST_NM: f32 = 50_000.0;
+
 /// One homogeneous thin layer.
 #[derive(Clone, Debug)]
 pub struct Film {

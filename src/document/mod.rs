@@ -7,17 +7,20 @@
 
 mod animation;
 mod camera;
+mod curve;
 mod light;
 mod material;
 mod node;
+mod pose;
 mod shape;
 mod texture;
 
-pub use animation::{Channel, Interpolation};
+pub use animation::{CameraPart, Channel, EnvironmentPart, FilmPart, Interpolation, MaterialPart, Quantity};
 pub use camera::{Camera, Lens, Projection};
 pub use light::{AreaShape, Environment, Falloff, Light, LightKind, Presence, SpotEdge};
-pub use material::{Base, Distribution, Film, Material, Microfacets, SurfaceEmission, Thickness, Tint};
+pub use material::{Base, Distribution, Film, Material, Microfacets, SurfaceEmission, THICKEST_NM, Thickness, Tint};
 pub use node::{Binding, Item, Node, Transform, TransformKind};
+pub use pose::{Changes, PoseError};
 pub use shape::{Geometry, Group, Mesh, Shape, UvSet};
 pub use texture::{Channel4, Encoding, Image, ImageSource, Map, NormalMap, Scalar, Texture, Wrap};
 
@@ -70,21 +73,19 @@ pub struct RenderHints {
 const FAR: f32 = 8.0;
 
 impl Document {
-    /// World matrix of every reachable node instance that carries items, in depth-first order: (node, node-to-world).
-    /// A node reached along several paths appears once for each. The world's origin is the file's, but for scenes far away
-    /// from it the middle of their geometry.
-    pub fn placements(&self) -> Vec<(usize, Mat4)> {
-        let placed = self.placed(self.to_world);
-        match self.far_center(&placed) {
-            // Before the nodes' own transforms are applied: distances cancel while they are still exact.
-            Some(center) => self.placed(Mat4::from_translation(-center) * self.to_world),
-            None => placed,
+    /// Brings a scene that lies far from the origin there, by way of [`to_world`](Self::to_world): once, before anything is
+    /// built, while distances still cancel exactly.
+    pub fn come_near(&mut self) {
+        if let Some(center) = self.far_center() {
+            self.to_world = Mat4::from_translation(-center) * self.to_world;
         }
     }
 
-    fn placed(&self, to_world: Mat4) -> Vec<(usize, Mat4)> {
+    /// World matrix of every reachable node instance that carries items, in depth-first order: (node, node-to-world).
+    /// A node reached along several paths appears once for each.
+    pub fn placements(&self) -> Vec<(usize, Mat4)> {
         let mut placed = Vec::new();
-        let mut stack: Vec<(usize, Mat4)> = self.roots.iter().rev().map(|&root| (root, to_world)).collect();
+        let mut stack: Vec<(usize, Mat4)> = self.roots.iter().rev().map(|&root| (root, self.to_world)).collect();
         while let Some((index, parent)) = stack.pop() {
             let node = &self.nodes[index];
             let to_world = parent * node.local();
@@ -96,14 +97,31 @@ impl Document {
         placed
     }
 
+    /// For each of the [`placements`](Self::placements), whether one of the marked nodes or a node below one is placed there.
+    /// `marked` has one entry per node.
+    pub fn placed_under(&self, marked: &[bool]) -> Vec<bool> {
+        let mut under = Vec::new();
+        let mut stack: Vec<(usize, bool)> = self.roots.iter().rev().map(|&root| (root, false)).collect();
+        while let Some((index, parent)) = stack.pop() {
+            let node = &self.nodes[index];
+            let inside = parent || marked[index];
+            stack.extend(node.children.iter().rev().map(|&child| (child, inside)));
+            if !node.items.is_empty() {
+                under.push(inside);
+            }
+        }
+        under
+    }
+
     /// The middle of all geometry, if that is far from the origin.
-    fn far_center(&self, placed: &[(usize, Mat4)]) -> Option<Vec3> {
+    fn far_center(&self) -> Option<Vec3> {
+        let placed = self.placements();
         // Matrices alone carry scenes away: vertices that are written far out have lost their digits already.
         if placed.iter().all(|(_, to_world)| to_world.w_axis.truncate() == Vec3::ZERO) {
             return None;
         }
         let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-        for (node, to_world) in placed {
+        for (node, to_world) in &placed {
             for item in &self.nodes[*node].items {
                 let Item::Geometry { geometry, .. } = item else { continue };
                 let Some((least, most)) = self.geometries[*geometry].shape.bounds() else { continue };

@@ -20,7 +20,7 @@ use super::three_wave::ThreeWave;
 /// The RGB models, in the order in which they are tried.
 ///
 /// The order is that of cost per evaluation on one core, measured once and written down here so that every machine chooses
-/// alike (`cargo run --release --example film_timings`): bare 5 ns, table 6-13 ns, three-wave
+/// alike (`pellicle chart films`): bare 5 ns, table 6-13 ns, three-wave
 /// 20-125 ns, gaussian 160-520 ns. The table is both cheaper and more exact than the analytic rungs, at the price of memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]

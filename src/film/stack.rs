@@ -107,7 +107,7 @@ impl Range {
         }
     }
 
-    pub(super) fn is_constant(self) -> bool {
+    pub fn is_constant(self) -> bool {
         self.max_nm - self.min_nm < 1e-3
     }
 }

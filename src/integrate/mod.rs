@@ -40,6 +40,10 @@ pub struct Tally {
     pub shadow_rays: u64,
     /// Samples whose radiance was not a number or infinite; they count as black.
     pub non_finite: u64,
+    /// Samples brighter than 2^32 (4.3e9), which count as that.
+    pub beyond_range: u64,
+    /// Samples that were brighter than the render allows.
+    pub clamped: u64,
 }
 
 impl AddAssign for Tally {
@@ -47,6 +51,8 @@ impl AddAssign for Tally {
         self.rays += other.rays;
         self.shadow_rays += other.shadow_rays;
         self.non_finite += other.non_finite;
+        self.beyond_range += other.beyond_range;
+        self.clamped += other.clamped;
     }
 }
 

@@ -18,6 +18,14 @@ pub fn write_text(path: &Path, text: &str) -> Result<(), OutputError> {
     save(path, text.as_bytes())
 }
 
+/// Writes bytes as they are.
+///
+/// # Errors
+/// As [`write_text`].
+pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
+    save(path, bytes)
+}
+
 /// Proves that `path` can be written, by creating and removing the temporary file.
 ///
 /// # Errors
@@ -34,7 +42,7 @@ pub(super) fn save(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
 }
 
 /// A file under its temporary name; removed when dropped without [`commit`](Self::commit).
-struct Temporary<'a> {
+pub(super) struct Temporary<'a> {
     target: &'a Path,
     folder: &'a Path,
     name: PathBuf,
@@ -43,7 +51,7 @@ struct Temporary<'a> {
 }
 
 impl<'a> Temporary<'a> {
-    fn create(target: &'a Path) -> Result<Self, OutputError> {
+    pub fn create(target: &'a Path) -> Result<Self, OutputError> {
         let folder = match target.parent() {
             Some(folder) if folder != Path::new("") => folder,
             _ => Path::new("."),
@@ -66,7 +74,16 @@ impl<'a> Temporary<'a> {
         Ok(Self { target, folder, name, file, committed: false })
     }
 
-    fn commit(mut self) -> Result<(), OutputError> {
+    /// For programs that open files themselves.
+    pub fn path(&self) -> &Path {
+        &self.name
+    }
+
+    pub fn file(&self) -> &File {
+        &self.file
+    }
+
+    pub fn commit(mut self) -> Result<(), OutputError> {
         self.file.sync_all().map_err(OutputError::io("flush to disk", self.target))?;
         fs::rename(&self.name, self.target).map_err(OutputError::io("rename to", self.target))?;
         self.committed = true;

@@ -18,6 +18,10 @@ pub enum OutputError {
     Extension { path: PathBuf },
     #[error("cannot write {}: {reason}", path.display())]
     Picture { path: PathBuf, reason: String },
+    #[error(
+        "videos are made by ffmpeg, but {program} cannot be run: install it with `apt-get install ffmpeg` (an animated .png needs none)"
+    )]
+    NoFfmpeg { program: &'static str },
     #[error("cannot read {}: {reason}", path.display())]
     Damaged { path: PathBuf, reason: String },
 }

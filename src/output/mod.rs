@@ -3,21 +3,34 @@
 //!
 //! This room takes plain numbers ([`Picture`]) and knows nothing of how they were made.
 
+mod apng;
 mod atomic;
+mod display;
 mod error;
 mod exr_read;
 mod exr_write;
+mod notes;
+mod part;
 mod picture;
 mod png;
+mod video;
 
-pub use atomic::{check_writable, write_text};
+pub use apng::write_apng;
+pub use atomic::{check_writable, write_bytes, write_text};
+pub use display::{Codes, picture_size, read_codes};
 pub use error::OutputError;
 pub use exr_read::read_exr;
 pub use exr_write::write_exr;
+pub use notes::note;
+pub use part::{PartBlock, PartReader, write_part};
 pub use picture::{Crop, Format, HeaderValue, Layer, LayerKind, Picture, Written};
 pub use png::{PngDepth, write_png};
+pub use video::{Container, VideoPlan, check_ffmpeg, write_video};
 
 use std::path::Path;
+
+/// The header value that stands for everything that decides what a frame of a batch looks like.
+pub const SETTINGS: &str = "pellicle/settings";
 
 /// True if the picture file at `path` is there and whole, judged by its content: every block of an EXR can be read, every
 /// row of a PNG decoded. Cheaper than reading an EXR, as nothing is decompressed.

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use serde::{Deserialize, Serialize};
+
 use super::error::OutputError;
 
 /// A picture with its extra layers and what is known about it. Rows from the top, pixels from the left.
@@ -44,7 +46,7 @@ pub enum LayerKind {
     Uint,
 }
 
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum HeaderValue {
     Text(String),
     Int(i32),

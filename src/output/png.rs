@@ -98,7 +98,7 @@ fn pixels(picture: &Picture, gain: f32, depth: PngDepth) -> Vec<u8> {
 }
 
 /// The sRGB curve (IEC 61966-2-1), clipped to 0..1; NaN becomes 0.
-fn srgb(linear: f32) -> f32 {
+pub(super) fn srgb(linear: f32) -> f32 {
     let linear = linear.clamp(0.0, 1.0);
     // 1.055 p - 0.055, written so that 1 gives 1 to the last bit.
     if linear <= 0.003_130_8 { 12.92 * linear } else { 1.0 + 1.055 * (linear.powf(1.0 / 2.4) - 1.0) }
@@ -106,7 +106,7 @@ fn srgb(linear: f32) -> f32 {
 
 /// What is added before cutting to whole numbers: in 0..1, evenly spread over any neighbourhood. Roberts's R2 sequence along
 /// both axes: fractions of x / p + y / p^2 with p = 1.3247... (the plastic number), a third further for each channel.
-fn threshold(x: u32, y: u32, channel: u32) -> f32 {
+pub(super) fn threshold(x: u32, y: u32, channel: u32) -> f32 {
     let steps = x
         .wrapping_mul(3_242_174_889)
         .wrapping_add(y.wrapping_mul(2_447_445_414))

@@ -38,7 +38,7 @@ impl Edges {
             seen.extend(seen_light(scene, &rays, &waves, tally).map(|light| light.mean()));
         }
         let mut edges = [0; TILE_SIDE as usize];
-        for pixel in 0..tile.pixels.len() as u32 {
+        for pixel in 0..tile.sums.len() as u32 {
             let (x, y) = (pixel % tile.width, pixel / tile.width);
             let reach = 2 + 2 * margin;
             let around = (0..reach * reach).map(|i| seen[((y + i / reach) * columns + x + i % reach) as usize]);

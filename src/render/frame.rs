@@ -1,6 +1,8 @@
 //! A finished picture with what it cost.
 
-use super::tile::Tile;
+use sha2::{Digest, Sha256};
+
+use super::noise;
 use crate::integrate::Tally;
 
 /// Mean radiance per pixel, row by row from the upper left, linear sRGB.
@@ -20,34 +22,33 @@ pub struct Frame {
 }
 
 impl Frame {
-    pub(super) fn resolve(
-        [width, height]: [u32; 2],
-        tiles: Vec<Tile>,
-        tally: Tally,
-        threads: usize,
-        render_s: f64,
-        render_cpu_s: f64,
-    ) -> Self {
-        let count = width as usize * height as usize;
-        let mut rgb = vec![[0.0; 3]; count];
-        let mut variance = vec![[f32::INFINITY; 3]; count];
-        let spp = tiles.iter().map(|tile| tile.spp).min().unwrap_or(0);
-        for tile in tiles {
-            // A tile that was never reached stays black.
-            let n = f64::from(tile.spp.max(1));
-            for (i, pixel) in tile.pixels.iter().enumerate() {
-                let (x, y) = (tile.x0 + i as u32 % tile.width, tile.y0 + i as u32 / tile.width);
-                let index = y as usize * width as usize + x as usize;
-                for channel in 0..3 {
-                    let mean = pixel.sum[channel] / n;
-                    rgb[index][channel] = mean as f32;
-                    if tile.spp > 1 {
-                        let spread = (pixel.sum_squares[channel] / n - mean * mean).max(0.0);
-                        variance[index][channel] = (spread / (n - 1.0)) as f32;
-                    }
-                }
-            }
+    /// Estimated error of the picture: root mean square of the standard errors of its pixels' luminances, over their mean.
+    /// Samples count as independent; as they are stratified, the true error is lower. Infinite below two samples.
+    pub fn noise(&self) -> f64 {
+        noise::of_picture(self.estimates())
+    }
+
+    /// The relative standard error that 95 % of the pixels stay below, each against its own luminance or a tenth of the
+    /// picture's mean, whichever is more.
+    pub fn noise_p95(&self) -> f64 {
+        noise::p95(self.estimates())
+    }
+
+    fn estimates(&self) -> impl Iterator<Item = [(f64, f64); 3]> + Clone + '_ {
+        let pair = |(mean, variance): (&[f32; 3], &[f32; 3])| {
+            std::array::from_fn(|channel| (f64::from(mean[channel]), f64::from(variance[channel])))
+        };
+        self.rgb.iter().zip(&self.variance).map(pair)
+    }
+
+    /// SHA-256 over the size (two u32) and all values of [`rgb`](Self::rgb) (f32), little-endian; hexadecimal.
+    pub fn sha256(&self) -> String {
+        let mut hash = Sha256::new();
+        hash.update([self.width.to_le_bytes(), self.height.to_le_bytes()].concat());
+        for row in self.rgb.chunks(self.width.max(1) as usize) {
+            let bytes: Vec<u8> = row.iter().flatten().flat_map(|value| value.to_le_bytes()).collect();
+            hash.update(bytes);
         }
-        Self { width, height, spp, rgb, variance, tally, threads, render_s, render_cpu_s }
+        hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
     }
 }

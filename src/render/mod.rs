@@ -1,20 +1,26 @@
 //! Pictures from paths: passes over tiles, accumulation, stopping, clocks.
 //!
-//! Samples are drawn per pixel in index order and added in f64, tiles share nothing: any number of threads gives the same
-//! bits, however the samples are cut into passes.
+//! A sample is a function of pixel and index alone, and sums are exact (`sums.rs`): any number of threads gives the same
+//! bits, however the samples are cut into passes, or into parts that other machines render.
 
+mod accumulation;
 mod clock;
 mod edge;
 mod filter;
 mod frame;
+mod noise;
+mod sums;
 mod tile;
 
+pub use accumulation::{Accumulation, Block};
 use arrayvec::ArrayVec;
-pub use clock::{available_memory, cpu_seconds, peak_rss_mb};
+pub use clock::{CpuClock, available_memory, peak_rss_mb};
 pub use filter::Filter;
 pub use frame::Frame;
 use glam::Vec2;
 use rayon::prelude::*;
+use sums::Samples;
+pub use sums::Totals;
 use thiserror::Error;
 
 use crate::integrate::{GROUP, Path, PathLimits, Tally, radiances};
@@ -23,10 +29,6 @@ use crate::mode::{Lanes, Mode};
 use crate::scene::{Camera, Scene};
 use edge::Edges;
 use tile::Tile;
-
-/// Largest number of samples that a pass adds to each pixel. A render stops between tiles: no pixel is then more than this
-/// ahead of another.
-const PASS_SPP: u32 = 16;
 
 /// What to render.
 #[derive(Clone, Copy, Debug)]
@@ -37,6 +39,8 @@ pub struct Plan {
     pub threads: usize,
     pub filter: Filter,
     pub limits: PathLimits,
+    /// Largest channel of one sample, linear sRGB; brighter ones are scaled down to it, which loses light. `None`: unbiased.
+    pub clamp: Option<f32>,
 }
 
 /// Told of progress; may stop the render.
@@ -46,6 +50,11 @@ pub trait Watch: Sync {
     /// Asked before each tile of a pass: true ends the render with the samples it has. Called from render threads; once
     /// true, always true.
     fn stop(&self) -> bool;
+    /// Asked before each pass after the first: samples per pixel that it shall add; 0 ends the render, all pixels having the
+    /// same number.
+    fn pass(&self, so_far: &Accumulation) -> u32 {
+        so_far.usual_pass()
+    }
 }
 
 #[derive(Debug, Error)]
@@ -59,6 +68,7 @@ pub enum RenderError {
 }
 
 /// Bytes per pixel at the peak, where the sums become a [`Frame`]: 72 by their types, with room for the rest.
+/// (Tiles that go on in 128 bits take 48 more; they are those of lamps and fireflies.)
 const BYTES_PER_PIXEL: u64 = 80;
 
 /// Refuses pictures that would not fit into `limit` bytes: a failed allocation could only abort the program, after hours.
@@ -80,27 +90,48 @@ pub fn render<M: Mode>(
     plan: &Plan,
     watch: &dyn Watch,
 ) -> Result<Frame, RenderError> {
+    let mut sums = Accumulation::new(camera.size, 0..plan.spp);
+    accumulate(scene, camera, plan, &mut sums, watch)?;
+    Ok(sums.into_frame())
+}
+
+/// Adds to `sums` the samples that it lacks of its range, or as many of them as there are until the watch stops.
+///
+/// # Errors
+/// Threads that the machine cannot give.
+pub fn accumulate<M: Mode>(
+    scene: &Scene<M>,
+    camera: &Camera,
+    plan: &Plan,
+    sums: &mut Accumulation,
+    watch: &dyn Watch,
+) -> Result<(), RenderError> {
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(plan.threads)
         .build()
         .map_err(|e| RenderError::Threads { threads: plan.threads, reason: e.to_string() })?;
-    let mut tiles = Tile::grid(camera.size);
+    sums.threads = pool.current_num_threads();
     let clock = std::time::Instant::now();
-    let cpu_start = cpu_seconds();
-    let mut tally = Tally::default();
-    let mut done = 0;
-    while done < plan.spp {
-        // Small passes first, so that a short render shows something early.
-        let count = done.clamp(1, PASS_SPP).min(plan.spp - done);
-        let pass = pool.install(|| {
-            tiles
+    let cpu_clock = CpuClock::start();
+    let total = sums.samples.end - sums.samples.start;
+    let mut done = sums.spp();
+    while done < total && !watch.stop() {
+        let count = if done == 0 { 1 } else { watch.pass(sums).min(total - done) };
+        if count == 0 {
+            break;
+        }
+        done += count;
+        let end = sums.samples.start + done;
+        sums.tally += pool.install(|| {
+            sums.tiles
                 .par_iter_mut()
                 .map(|tile| {
-                    if watch.stop() {
+                    if tile.next >= end || watch.stop() {
                         return Tally::default();
                     }
-                    let tally = render_tile(scene, camera, plan, tile, done..done + count);
-                    watch.advanced(u64::from(count) * tile.pixels.len() as u64);
+                    let samples = tile.next..end;
+                    let tally = render_tile(scene, camera, plan, tile, samples.clone());
+                    watch.advanced(samples.len() as u64 * tile.sums.len() as u64);
                     tally
                 })
                 .reduce(Tally::default, |mut a, b| {
@@ -108,15 +139,10 @@ pub fn render<M: Mode>(
                     a
                 })
         });
-        tally += pass;
-        done += count;
-        if watch.stop() {
-            break;
-        }
     }
-    let render_s = clock.elapsed().as_secs_f64();
-    let render_cpu_s = cpu_seconds() - cpu_start;
-    Ok(Frame::resolve(camera.size, tiles, tally, pool.current_num_threads(), render_s, render_cpu_s))
+    sums.render_s += clock.elapsed().as_secs_f64();
+    sums.render_cpu_s += cpu_clock.seconds();
+    Ok(())
 }
 
 fn render_tile<M: Mode>(
@@ -132,24 +158,30 @@ fn render_tile<M: Mode>(
         None => Edges::find(scene, camera, plan, tile, &mut tally),
     };
     for group in tile.groups() {
+        let mut sums: [Samples; GROUP] = Default::default();
         for index in samples.clone() {
-            render_group(scene, camera, plan, (tile, &edges), &group, index, &mut tally);
+            render_group(scene, camera, plan, (tile, &edges), &group, index, &mut sums, &mut tally);
+        }
+        for (&member, sum) in group.iter().zip(&sums) {
+            tile.sums.add_samples(member as usize, sum);
         }
     }
     tile.edges = Some(edges);
-    tile.spp = samples.end;
+    tile.next = samples.end;
     tally
 }
 
-/// Adds one sample to each pixel of a group.
+/// Adds one sample to the sums of each pixel of a group.
 #[inline]
+#[allow(clippy::too_many_arguments)]
 fn render_group<M: Mode>(
     scene: &Scene<M>,
     camera: &Camera,
     plan: &Plan,
-    (tile, edges): (&mut Tile, &Edges),
+    (tile, edges): (&Tile, &Edges),
     group: &[u32],
     index: u32,
+    sums: &mut [Samples; GROUP],
     tally: &mut Tally,
 ) {
     let number = |[x, y]: [u32; 2]| y.wrapping_mul(camera.size[0]).wrapping_add(x);
@@ -177,10 +209,14 @@ fn render_group<M: Mode>(
             path.radiance += edge::seen_sample(scene, camera, plan, ([x, y], number([x, y])), index, &waves, tally);
         }
     }
-    for (&member, path) in group.iter().zip(&paths) {
+    for (path, sum) in paths.iter().zip(sums) {
         if path.radiance.is_finite() {
-            let rgb = M::to_rgb(path.radiance, &path.waves, &scene.stage.sensor);
-            tile.pixels[member as usize].add(rgb);
+            let mut rgb = M::to_rgb(path.radiance, &path.waves, &scene.stage.sensor);
+            if let Some(limit) = plan.clamp.filter(|&limit| rgb.abs().max_element() > limit) {
+                rgb *= limit / rgb.abs().max_element();
+                tally.clamped += 1;
+            }
+            tally.beyond_range += u64::from(!sum.add(rgb));
         } else {
             tally.non_finite += 1;
         }

@@ -1,9 +1,9 @@
-//! Accumulators, kept per tile so that threads never share a cache line.
+//! Tiles keep their own sums, so that threads never share a cache line.
 
 use arrayvec::ArrayVec;
-use glam::Vec3;
 
 use super::edge::Edges;
+use super::sums::Sums;
 use crate::integrate::GROUP;
 use crate::math::distribution::spread_bits;
 
@@ -14,30 +14,11 @@ pub struct Tile {
     pub x0: u32,
     pub y0: u32,
     pub width: u32,
-    /// Samples that each pixel has.
-    pub spp: u32,
-    pub pixels: Vec<Pixel>,
+    /// The sample index that each pixel goes on with.
+    pub next: u32,
+    pub sums: Sums,
     /// Found with the first samples.
     pub edges: Option<Edges>,
-}
-
-/// Sums over the samples of one pixel.
-#[derive(Clone, Copy, Default)]
-pub struct Pixel {
-    pub sum: [f64; 3],
-    /// Of squares, for the variance.
-    pub sum_squares: [f64; 3],
-}
-
-impl Pixel {
-    #[inline]
-    pub fn add(&mut self, rgb: Vec3) {
-        for (channel, value) in rgb.to_array().into_iter().enumerate() {
-            let value = f64::from(value);
-            self.sum[channel] += value;
-            self.sum_squares[channel] += value * value;
-        }
-    }
 }
 
 /// Side of the blocks that are cut into groups; each row and column of a block has one pixel of each group.
@@ -49,7 +30,7 @@ impl Tile {
     pub fn groups(&self) -> Vec<ArrayVec<u32, GROUP>> {
         let (columns, height) = (self.width.div_ceil(BLOCK), self.height());
         let mut groups = vec![ArrayVec::new(); (columns * height.div_ceil(BLOCK) * BLOCK) as usize];
-        for pixel in 0..self.pixels.len() as u32 {
+        for pixel in 0..self.sums.len() as u32 {
             let (x, y) = (pixel % self.width, pixel / self.width);
             let block = y / BLOCK * columns + x / BLOCK;
             groups[(block * BLOCK + (x + 3 * y) % BLOCK) as usize].push(pixel);
@@ -58,7 +39,7 @@ impl Tile {
     }
 
     pub fn height(&self) -> u32 {
-        self.pixels.len() as u32 / self.width
+        self.sums.len() as u32 / self.width
     }
 
     /// Where a pixel lies in the picture.
@@ -66,8 +47,9 @@ impl Tile {
         [self.x0 + pixel % self.width, self.y0 + pixel / self.width]
     }
 
-    /// All tiles of a picture, along a Z-order curve: neighbours in time are neighbours in space.
-    pub fn grid([width, height]: [u32; 2]) -> Vec<Self> {
+    /// All tiles of a picture, without samples before index `first`, along a Z-order curve: neighbours in time are
+    /// neighbours in space.
+    pub fn grid([width, height]: [u32; 2], first: u32) -> Vec<Self> {
         let (columns, rows) = (width.div_ceil(TILE_SIDE), height.div_ceil(TILE_SIDE));
         let mut places: Vec<[u32; 2]> =
             (0..rows).flat_map(|row| (0..columns).map(move |column| [column, row])).collect();
@@ -75,8 +57,8 @@ impl Tile {
         let tile = |[column, row]: [u32; 2]| {
             let (x0, y0) = (column * TILE_SIDE, row * TILE_SIDE);
             let (tile_width, tile_height) = ((width - x0).min(TILE_SIDE), (height - y0).min(TILE_SIDE));
-            let pixels = vec![Pixel::default(); (tile_width * tile_height) as usize];
-            Self { x0, y0, width: tile_width, spp: 0, pixels, edges: None }
+            let sums = Sums::new((tile_width * tile_height) as usize);
+            Self { x0, y0, width: tile_width, next: first, sums, edges: None }
         };
         places.into_iter().map(tile).collect()
     }
@@ -89,10 +71,10 @@ mod tests {
     #[test]
     fn tiles_cover_every_pixel_once() {
         for size in [[1, 1], [16, 16], [17, 33], [100, 3]] {
-            let tiles = Tile::grid(size);
+            let tiles = Tile::grid(size, 0);
             let mut seen = vec![0; (size[0] * size[1]) as usize];
             for tile in &tiles {
-                for i in 0..tile.pixels.len() as u32 {
+                for i in 0..tile.sums.len() as u32 {
                     let (x, y) = (tile.x0 + i % tile.width, tile.y0 + i / tile.width);
                     seen[(y * size[0] + x) as usize] += 1;
                 }

@@ -1,24 +1,52 @@
 //! Shapes and lights of a document, being placed in the world.
 
 use std::sync::Arc;
+use std::vec;
 
 use glam::{Affine3A, Mat3, Mat4, Vec3};
 
 use super::BuildError;
+use super::environment::{Sky, SkyImage};
 use super::light::{Emitter, Source};
 use super::lighting::{self, PlacedLight};
-use super::surface::{Body, Glow, NO_MAPS, Part, Place, Shading};
+use super::surface::{Body, Glow, NO_MAPS, Part, Place, Shading, normal_matrix};
+use super::texture::Texture;
 use crate::color::Emission;
 use crate::document::{self, Base, Document, Geometry, Item, Map, Mesh, Shape};
 use crate::embree::{self, AccelBuilder};
+
+/// A mesh that Embree holds, with what shading needs of it.
+type Held = (embree::Shape, Arc<Shading>);
 
 /// Meshes that are placed several times become instances above this many triangles in total; below, copies trace faster
 /// than instances do and cost next to nothing.
 const COPY_TRIANGLES: usize = 20_000;
 
-/// What is being put together.
-pub(super) struct Assembly {
-    pub builder: AccelBuilder,
+/// What the shapes go into.
+pub(super) enum Ground<'a> {
+    /// A BVH that is being put together.
+    New(&'a mut AccelBuilder),
+    Built(&'a mut Built),
+}
+
+/// The BVH that is there.
+pub(super) struct Built {
+    /// Its places, in the order in which they were made.
+    pub places: vec::IntoIter<Place>,
+    /// The instances that have to move.
+    pub moves: Vec<(u32, Affine3A)>,
+    /// After a move that failed it is unknown where they stand, and all have to.
+    pub stale: bool,
+}
+
+/// What is being put together, or gone through again for another pose. Both take the same way through the document, so
+/// places, materials and emitters keep their numbers.
+pub(super) struct Assembly<'a> {
+    pub ground: Ground<'a>,
+    /// For each placement, whether it may move later; shorter or empty: the others do not.
+    pub moving: &'a [bool],
+    /// Whether what is placed right now is one of those: it becomes an instance then.
+    pub mobile: bool,
     pub places: Vec<Place>,
     /// The document's materials, a grey one for what has none, and a black one per area light.
     pub materials: Vec<document::Material>,
@@ -31,7 +59,52 @@ pub(super) struct Assembly {
     pub power: Vec<f32>,
 }
 
-impl Assembly {
+impl<'a> Assembly<'a> {
+    pub fn new(ground: Ground<'a>, moving: &'a [bool]) -> Self {
+        Self {
+            ground,
+            moving,
+            mobile: false,
+            places: Vec::new(),
+            materials: Vec::new(),
+            glows: Vec::new(),
+            emitters: Vec::new(),
+            spectra: Vec::new(),
+            power: Vec::new(),
+        }
+    }
+
+    /// Everything of a document in this order: materials, shapes, lights, the environment. `again`, in another pose: the
+    /// image of the environment that is there, and how it is turned.
+    pub fn gather(
+        &mut self,
+        document: &Document,
+        placements: &[(usize, Mat4)],
+        textures: &[Arc<Texture>],
+        again: Option<(Option<Box<SkyImage>>, Mat3)>,
+    ) -> Result<(), BuildError> {
+        let fallback = document::Material { opacity: document::Scalar::constant(1.0), ..document::Material::default() };
+        for material in document.materials.iter().chain([&fallback]) {
+            self.add_material(material.clone());
+        }
+        self.place_geometry(document, placements)?;
+        self.place_lights(document, placements)?;
+        let Some(environment) = &document.environment else { return Ok(()) };
+        let tint = self.source(environment.radiance * environment.strength, &environment.spectrum);
+        let (image, turn) = again.unwrap_or((None, Mat3::IDENTITY));
+        let sky = match environment.image {
+            Some(index) => {
+                let mut image = image.unwrap_or_else(|| Box::new(SkyImage::new(&textures[index])));
+                image.set(tint, environment.rotation_deg, turn);
+                Sky::Image(image)
+            }
+            None => Sky::Constant(tint),
+        };
+        self.emitters.push(Emitter::Sky(sky));
+        self.power.push(f32::NAN);
+        Ok(())
+    }
+
     /// Registers a material and what it emits.
     pub fn add_material(&mut self, material: document::Material) -> u32 {
         let glow = material.emission.as_ref().map(|emission| Glow {
@@ -58,56 +131,93 @@ impl Assembly {
 
     pub fn place_geometry(&mut self, document: &Document, placements: &[(usize, Mat4)]) -> Result<(), BuildError> {
         let mut uses = vec![0usize; document.geometries.len()];
-        let items = || placements.iter().flat_map(|(node, m)| document.nodes[*node].items.iter().map(move |i| (i, m)));
-        for (item, _) in items() {
-            if let Item::Geometry { geometry, .. } = item {
-                uses[*geometry] += 1;
+        for (node, _) in placements {
+            for item in &document.nodes[*node].items {
+                if let Item::Geometry { geometry, .. } = item {
+                    uses[*geometry] += 1;
+                }
             }
         }
-        let mut shared: Vec<Option<(embree::Shape, Arc<Shading>)>> = vec![None; document.geometries.len()];
-        for (item, to_world) in items() {
-            let Item::Geometry { geometry: index, bindings } = item else { continue };
-            let geometry = &document.geometries[*index];
-            let object_to_world = Affine3A::from_mat4(*to_world);
-            match &geometry.shape {
-                Shape::Sphere { radius } => {
-                    let radius = radius * to_world.x_axis.truncate().length();
-                    let material = bindings.first().map_or(document.materials.len(), |b| b.material);
-                    self.place_sphere(object_to_world, radius, material as u32)?;
-                }
-                Shape::Mesh(mesh) if mesh.triangles.is_empty() => {}
-                Shape::Mesh(mesh) => {
-                    let parts = parts(document, geometry, mesh, bindings);
-                    let copies = uses[*index];
-                    if copies == 1 || copies * mesh.triangles.len() <= COPY_TRIANGLES {
-                        self.place_copy(mesh, object_to_world, parts)?;
-                        continue;
+        let mut shared: Vec<Option<Held>> = vec![None; document.geometries.len()];
+        for (number, (node, to_world)) in placements.iter().enumerate() {
+            self.mobile = self.moving.get(number).copied().unwrap_or(false);
+            for item in &document.nodes[*node].items {
+                let Item::Geometry { geometry: index, bindings } = item else { continue };
+                let geometry = &document.geometries[*index];
+                let object_to_world = Affine3A::from_mat4(*to_world);
+                match &geometry.shape {
+                    Shape::Sphere { radius } => {
+                        let radius = radius * to_world.x_axis.truncate().length();
+                        let material = bindings.first().map_or(document.materials.len(), |b| b.material);
+                        self.place_sphere(object_to_world, radius, material as u32)?;
                     }
-                    let (shape, shading) = match &shared[*index] {
-                        Some(entry) => entry.clone(),
-                        None => {
-                            let shape = self.builder.mesh(mesh.positions.clone(), mesh.triangles.clone())?;
-                            let shading = Shading { normals: mesh.normals.clone(), uv_sets: uv_sets(mesh) };
-                            shared[*index].insert((shape, Arc::new(shading))).clone()
+                    Shape::Mesh(mesh) if mesh.triangles.is_empty() => {}
+                    Shape::Mesh(mesh) => {
+                        let parts = parts(document, geometry, mesh, bindings);
+                        let copies = uses[*index];
+                        let total = copies * mesh.triangles.len();
+                        // Where anything moves, what is large gets a BVH of its own, so that it is not built anew each time.
+                        let large = total > COPY_TRIANGLES && (copies > 1 || !self.moving.is_empty());
+                        if large || self.mobile {
+                            self.place_instance(mesh, object_to_world, parts, &mut shared[*index])?;
+                        } else {
+                            self.place_copy(mesh, object_to_world, parts)?;
                         }
-                    };
-                    self.builder.place_instance(shape, object_to_world)?;
-                    self.add_mesh_place(mesh, shape, shading, object_to_world, object_to_world, parts);
+                    }
                 }
             }
         }
         Ok(())
     }
 
+    /// A mesh that belongs to no geometry of the document.
+    pub(super) fn place_mesh(&mut self, mesh: &Mesh, to_world: Affine3A, parts: Vec<Part>) -> Result<(), BuildError> {
+        if self.mobile {
+            self.place_instance(mesh, to_world, parts, &mut None)
+        } else {
+            self.place_copy(mesh, to_world, parts)
+        }
+    }
+
     /// A mesh in world coordinates: the fastest to trace.
-    pub(super) fn place_copy(&mut self, mesh: &Mesh, to_world: Affine3A, parts: Vec<Part>) -> Result<(), BuildError> {
+    fn place_copy(&mut self, mesh: &Mesh, to_world: Affine3A, parts: Vec<Part>) -> Result<(), BuildError> {
+        let Ground::New(builder) = &mut self.ground else {
+            self.place_again(Some(mesh), to_world, to_world);
+            return Ok(());
+        };
         let positions = mesh.positions.iter().map(|p| to_world.transform_point3(*p)).collect();
+        let shape = builder.mesh(positions, mesh.triangles.clone())?;
+        builder.place(shape)?;
         let normal_to_world = normal_matrix(&to_world);
         let normals = mesh.normals.iter().map(|n| (normal_to_world * *n).normalize_or_zero()).collect();
-        let shape = self.builder.mesh(positions, mesh.triangles.clone())?;
-        self.builder.place(shape)?;
         let shading = Arc::new(Shading { normals, uv_sets: uv_sets(mesh) });
-        self.add_mesh_place(mesh, shape, shading, Affine3A::IDENTITY, to_world, parts);
+        self.add_mesh_place(mesh, (shape, shading), Affine3A::IDENTITY, to_world, parts);
+        Ok(())
+    }
+
+    /// A mesh in its own coordinates, with a transform. `held` is what earlier instances of it have left, or takes what later
+    /// ones will use.
+    fn place_instance(
+        &mut self,
+        mesh: &Mesh,
+        to_world: Affine3A,
+        parts: Vec<Part>,
+        held: &mut Option<Held>,
+    ) -> Result<(), BuildError> {
+        let Ground::New(builder) = &mut self.ground else {
+            self.place_again(Some(mesh), to_world, to_world);
+            return Ok(());
+        };
+        let (shape, shading) = match held {
+            Some(held) => held.clone(),
+            None => {
+                let shape = builder.mesh(mesh.positions.clone(), mesh.triangles.clone())?;
+                let shading = Shading { normals: mesh.normals.clone(), uv_sets: uv_sets(mesh) };
+                held.insert((shape, Arc::new(shading))).clone()
+            }
+        };
+        builder.place_instance(shape, to_world)?;
+        self.add_mesh_place(mesh, (shape, shading), to_world, to_world, parts);
         Ok(())
     }
 
@@ -115,52 +225,86 @@ impl Assembly {
     fn add_mesh_place(
         &mut self,
         mesh: &Mesh,
-        shape: embree::Shape,
-        shading: Arc<Shading>,
+        (shape, shading): Held,
         to_world: Affine3A,
         object_to_world: Affine3A,
-        mut parts: Vec<Part>,
+        parts: Vec<Part>,
     ) {
-        let heights = mesh.positions.iter().map(|p| object_to_world.transform_point3(*p).y);
-        let height_m = heights.fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], y| [low.min(y), high.max(y)]);
-        let place = self.places.len() as u32;
-        let handedness = 1.0f32.copysign(object_to_world.matrix3.determinant());
-        lighting::add_mesh_emitters(self, mesh, &mut parts, place, &object_to_world, handedness, false);
-        self.places.push(Place {
-            shape,
-            body: Body::Mesh(shading),
-            scale: stretch(&to_world),
-            normal_to_world: normal_matrix(&to_world),
-            to_world,
-            handedness,
-            to_object: object_to_world.inverse(),
-            parts,
-            height_m,
-        });
+        let mut place = Place::new(shape, Body::Mesh(shading), parts, to_world, object_to_world);
+        place.height_m = heights(mesh, &object_to_world);
+        self.add_place(place, Some(mesh), &object_to_world);
+    }
+
+    /// Adds a place with the emitters of its shining parts.
+    fn add_place(&mut self, mut place: Place, mesh: Option<&Mesh>, object_to_world: &Affine3A) {
+        let number = self.places.len() as u32;
+        match (mesh, &place.body) {
+            (Some(mesh), _) => {
+                // What the file holds may be mirrored where Embree holds it as it is.
+                let handedness = 1.0f32.copysign(object_to_world.matrix3.determinant());
+                lighting::add_mesh_emitters(self, mesh, &mut place.parts, number, object_to_world, handedness, false);
+            }
+            (None, Body::Sphere { radius, .. }) => {
+                let (center, radius) = (Vec3::from(object_to_world.translation), radius * place.scale);
+                let material = place.parts[0].material;
+                place.parts[0].emitter = lighting::add_sphere_emitter(self, number, material, center, radius, false);
+                place.height_m = [center.y - radius, center.y + radius];
+            }
+            (None, Body::Mesh(_)) => {}
+        }
+        self.places.push(place);
+    }
+
+    /// Goes on to the next place of the BVH that is there, and moves it where it has to stand elsewhere. `to_world` maps what
+    /// Embree holds, if it is an instance.
+    fn place_again(&mut self, mesh: Option<&Mesh>, to_world: Affine3A, object_to_world: Affine3A) {
+        let number = self.places.len() as u32;
+        let Ground::Built(built) = &mut self.ground else { return };
+        let Some(mut place) = built.places.next() else { return };
+        if self.mobile && (built.stale || place.to_world != to_world || place.to_object != object_to_world.inverse()) {
+            built.moves.push((number, to_world));
+            place.stand(to_world, object_to_world);
+            if let Some(mesh) = mesh {
+                place.height_m = heights(mesh, &object_to_world);
+            }
+        }
+        self.add_place(place, mesh, &object_to_world);
     }
 
     pub(super) fn place_sphere(&mut self, to_world: Affine3A, radius: f32, material: u32) -> Result<(), BuildError> {
         let center = Vec3::from(to_world.translation);
-        let shape = self.builder.sphere(center, radius)?;
-        let place = self.builder.place(shape)?;
+        let builder = match &mut self.ground {
+            Ground::New(builder) => builder,
+            Ground::Built(built) => {
+                // Embree keeps the sphere's first size; the transform makes up for a change.
+                let scale = match built.places.as_slice().first().map(|place| &place.body) {
+                    Some(Body::Sphere { radius: held, .. }) => radius / held,
+                    _ => 1.0,
+                };
+                let stands = Affine3A::from_translation(center) * Affine3A::from_scale(Vec3::splat(scale));
+                self.place_again(None, stands, to_world);
+                return Ok(());
+            }
+        };
+        let (held_center, stands) = match self.mobile {
+            true => (Vec3::ZERO, Affine3A::from_translation(center)),
+            false => (center, Affine3A::IDENTITY),
+        };
+        let shape = builder.sphere(held_center, radius)?;
+        match self.mobile {
+            true => builder.place_instance(shape, stands)?,
+            false => builder.place(shape)?,
+        };
         let uv_set = first_texcoord(&self.materials[material as usize]).map_or(NO_MAPS, |_| 0);
-        let emitter = lighting::add_sphere_emitter(self, place, material, center, radius, false);
-        self.places.push(Place {
-            shape,
-            body: Body::Sphere { center, radius },
-            to_world: Affine3A::IDENTITY,
-            scale: 1.0,
-            normal_to_world: Mat3::IDENTITY,
-            handedness: 1.0,
-            to_object: to_world.inverse(),
-            parts: vec![Part { end: u32::MAX, material, first: 0, emitter, uv_set }],
-            height_m: [center.y - radius, center.y + radius],
-        });
+        let parts = vec![Part { end: u32::MAX, material, first: 0, emitter: u32::MAX, uv_set }];
+        let body = Body::Sphere { center: held_center, radius };
+        self.add_place(Place::new(shape, body, parts, stands, to_world), None, &to_world);
         Ok(())
     }
 
     pub fn place_lights(&mut self, document: &Document, placements: &[(usize, Mat4)]) -> Result<(), BuildError> {
-        for (node, to_world) in placements {
+        for (number, (node, to_world)) in placements.iter().enumerate() {
+            self.mobile = self.moving.get(number).copied().unwrap_or(false);
             for item in &document.nodes[*node].items {
                 if let Item::Light(index) = item {
                     let light = &document.lights[*index];
@@ -220,17 +364,12 @@ fn first_texcoord(material: &document::Material) -> Option<&str> {
     map.map(|m| m.texcoord.as_str())
 }
 
+/// Lowest and highest point along world up.
+fn heights(mesh: &Mesh, object_to_world: &Affine3A) -> [f32; 2] {
+    let heights = mesh.positions.iter().map(|p| object_to_world.transform_point3(*p).y);
+    heights.fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], y| [low.min(y), high.max(y)])
+}
+
 fn uv_sets(mesh: &Mesh) -> Vec<Vec<glam::Vec2>> {
     mesh.uv_sets.iter().map(|set| set.uvs.clone()).collect()
-}
-
-/// The inverse transpose, which maps normals.
-pub(super) fn normal_matrix(to_world: &Affine3A) -> Mat3 {
-    let inverse = Mat3::from(to_world.matrix3).inverse();
-    if inverse.is_finite() { inverse.transpose() } else { Mat3::IDENTITY }
-}
-
-fn stretch(to_world: &Affine3A) -> f32 {
-    let m = to_world.matrix3;
-    m.x_axis.length().max(m.y_axis.length()).max(m.z_axis.length())
 }

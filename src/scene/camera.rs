@@ -1,6 +1,6 @@
 //! Cameras: which one, where it stands, and the rays it sends.
 
-use glam::{Mat4, Vec2, Vec3};
+use glam::{Affine3A, Mat4, Vec2, Vec3};
 
 use crate::document::{Document, Item, Lens, Projection};
 use crate::embree::Ray;
@@ -60,6 +60,7 @@ pub fn cameras(document: &Document) -> Vec<CameraPlace> {
 }
 
 /// What [`Camera::new`] decided, for the log.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Placed {
     AsWritten,
     Cs184,
@@ -125,6 +126,18 @@ impl Camera {
     /// The same view in a picture of another size and about the same aspect.
     pub fn resized(&self, size: [u32; 2]) -> Self {
         Self { size, ..self.clone() }
+    }
+
+    /// The same camera somewhere else; `motion` neither stretches nor mirrors.
+    pub fn moved(&self, motion: &Affine3A) -> Self {
+        let turned = |axis: Vec3| motion.transform_vector3(axis);
+        Self {
+            origin: motion.transform_point3(self.origin),
+            right: turned(self.right),
+            up: turned(self.up),
+            forward: turned(self.forward),
+            ..self.clone()
+        }
     }
 
     fn looking(origin: Vec3, forward: Vec3, up_hint: Vec3, half: Vec2, orthographic: bool, size: [u32; 2]) -> Self {

@@ -28,19 +28,19 @@ pub struct SkyImage {
     to_image: Mat3,
     /// Over the image, for drawing directions.
     density: Option<Grid>,
-    /// Mean radiance over the sphere, averaged over channels.
-    mean: f32,
+    /// Of the texels over the sphere.
+    mean: Vec3,
 }
 
 /// Share of the drawn directions that follow the image's radiance; the others follow what exceeds its mean.
-const PLAIN_SHARE: f32 = 0.1;
+const PLAIN_SHARE: f32 = 0.02;
 
 impl SkyImage {
-    /// `rotation_deg` turns the image about world up, anticlockwise seen from above.
+    /// The image as it is; [`set`](Self::set) gives it tint and rotation.
     ///
     /// Scattered rays find the broad parts of a sky well enough by themselves: light sampling sees to what is brighter than
     /// its mean (Karlik et al. 2019, "MIS Compensation"), with a share for the rest so that it also works alone.
-    pub fn new(texture: &Texture, tint: Source, rotation_deg: f32) -> Self {
+    pub fn new(texture: &Texture) -> Self {
         let (width, height) = (texture.width(), texture.height());
         let texel = |i: usize| texture.texel(i % width, i / width, Encoding::Linear).truncate();
         let texels: Vec<Vec3> = (0..width * height).map(texel).collect();
@@ -66,17 +66,22 @@ impl SkyImage {
         let weigh =
             |(i, b): (usize, &f32)| (PLAIN_SHARE * b + (1.0 - PLAIN_SHARE) * (b - mean).max(0.0)) * sin(i / width);
         let weights: Vec<f32> = blurred.iter().enumerate().map(weigh).collect();
-        let tinted: f32 =
-            texels.iter().enumerate().map(|(i, t)| (*t * tint.rgb).element_sum() / 3.0 * sin(i / width)).sum();
+        let total: Vec3 = texels.iter().enumerate().map(|(i, texel)| *texel * sin(i / width)).sum();
         Self {
             width,
             height,
             density: Grid::new(&weights, width),
-            mean: tinted / weight as f32,
+            mean: total / weight as f32,
             texels,
-            tint,
-            to_image: Mat3::from_rotation_y(-rotation_deg.to_radians()),
+            tint: Source { rgb: Vec3::ONE, spectrum: 0 },
+            to_image: Mat3::IDENTITY,
         }
+    }
+
+    /// `rotation_deg` turns the image about world up, anticlockwise seen from above; `turn` comes after it.
+    pub fn set(&mut self, tint: Source, rotation_deg: f32, turn: Mat3) {
+        self.tint = tint;
+        self.to_image = Mat3::from_rotation_y(-rotation_deg.to_radians()) * turn.transpose();
     }
 
     /// Bilinear; the image closes around the vertical axis.
@@ -154,7 +159,7 @@ impl Sky {
         match self {
             Self::Constant(source) => source.strength(),
             Self::Hemisphere(source) => 0.5 * source.strength(),
-            Self::Image(image) => image.mean,
+            Self::Image(image) => (image.mean * image.tint.rgb).element_sum() / 3.0,
         }
     }
 }

@@ -149,7 +149,7 @@ fn place_area(
     let count = mesh.triangles.len() as u32;
     let mut parts = vec![Part { end: count, material, first: 0, emitter: u32::MAX, uv_set: 0 }];
     if presence != Presence::Hidden {
-        return assembly.place_copy(&mesh, to_world, parts);
+        return assembly.place_mesh(&mesh, to_world, parts);
     }
     let handedness = 1.0f32.copysign(to_world.matrix3.determinant());
     add_mesh_emitters(assembly, &mesh, &mut parts, u32::MAX, &to_world, handedness, true);

@@ -139,6 +139,7 @@ impl<M: Mode> Material<M> {
     }
 
     /// Scattering at a surface point.
+    #[inline]
     pub fn bsdf<'s>(&'s self, surface: &Surface, textures: &[Arc<Texture>], waves: &M::Waves) -> Bsdf<'s, M> {
         let rgb = |texture: &document::Texture| match &texture.map {
             Some(map) => texture.value * lookup_rgb(textures, map, surface.uv),

@@ -1,6 +1,6 @@
 //! The scene as the path loop sees it.
 //!
-//! A [`Stage`] is built once from a [`Document`](crate::document::Document): shapes, images, lights. A [`Scene`] adds the
+//! A [`Stage`] is built once from a [`Document`]: shapes, images, lights. A [`Scene`] adds the
 //! materials, compiled for one colour mode.
 
 mod assembly;
@@ -14,6 +14,7 @@ mod surface;
 mod texture;
 mod thickness;
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -22,12 +23,13 @@ use glam::Vec3;
 use light::Source;
 pub use light::{LightAt, LightSample, Lights};
 pub use material::Material;
-pub use stage::Stage;
+pub use stage::{Pose, Stage};
 pub use surface::{Place, Surface};
 use texture::{Texture, lookup_rgb};
 use thiserror::Error;
 
 use crate::color::IndexError;
+use crate::document::Document;
 use crate::embree::{EmbreeError, Hits, Ray};
 use crate::film::{Rung, Verdict};
 use crate::math::Frame;
@@ -63,6 +65,9 @@ pub enum BuildError {
     Index { material: String, source: IndexError },
     #[error(transparent)]
     Embree(#[from] EmbreeError),
+    /// A scene can be posed only by its one owner.
+    #[error("the stage is in use by another scene and cannot be moved")]
+    Shared,
 }
 
 impl<M: Mode> Scene<M> {
@@ -78,6 +83,31 @@ impl<M: Mode> Scene<M> {
         let lets_through = materials.iter().any(Material::lets_through);
         let materials_s = start.elapsed().as_secs_f64();
         Ok(Self { stage, materials, spectra, lets_through, materials_s })
+    }
+
+    /// As [`Stage::pose`].
+    ///
+    /// # Errors
+    /// As [`Stage::pose`]; [`BuildError::Shared`] while another scene uses the stage.
+    pub fn pose(&mut self, document: &Document, pose: &Pose) -> Result<usize, BuildError> {
+        Arc::get_mut(&mut self.stage).ok_or(BuildError::Shared)?.pose(document, pose)
+    }
+
+    /// Compiles these materials of the document again.
+    ///
+    /// # Errors
+    /// An unknown refractive index.
+    pub fn recompile(
+        &mut self,
+        document: &Document,
+        materials: &BTreeSet<usize>,
+        options: &FilmOptions,
+    ) -> Result<(), BuildError> {
+        for &index in materials {
+            self.materials[index] = Material::new(&document.materials[index], &self.stage.sensor, options)?;
+        }
+        self.lets_through = self.materials.iter().any(Material::lets_through);
+        Ok(())
     }
 
     /// What was chosen for each interface: (material id, verdict).

@@ -3,17 +3,17 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use glam::Vec3;
+use glam::{Mat3, Mat4, Vec3};
 
 use super::BuildError;
-use super::assembly::Assembly;
-use super::environment::{Sky, SkyImage};
+use super::assembly::{Assembly, Built, Ground};
+use super::environment::Sky;
 use super::light::{Emitter, Lights};
 use super::lighting;
 use super::surface::{Glow, Place};
 use super::texture::Texture;
 use crate::color::{Emission, Sensor};
-use crate::document::{self, Document, Scalar};
+use crate::document::{self, Document};
 use crate::embree::{Accel, AccelBuilder, BATCH, Hits, Ray};
 
 pub struct Stage {
@@ -30,8 +30,23 @@ pub struct Stage {
     pub sensor: Sensor,
     /// Corners of a box around everything, world space; a unit box when the scene is empty.
     pub bounds: (Vec3, Vec3),
+    /// For each placement of the document, whether it may move; empty: none may.
+    moving: Vec<bool>,
+    /// The last move failed: the instances stand where they stood before it.
+    stale: bool,
     pub textures_s: f64,
     pub bvh_s: f64,
+}
+
+/// The box of an empty scene.
+const NOTHING: (Vec3, Vec3) = (Vec3::splat(-0.5), Vec3::splat(0.5));
+
+/// Where everything stands.
+pub struct Pose {
+    /// As [`Document::placements`] gives them, with other matrices.
+    pub placements: Vec<(usize, Mat4)>,
+    /// Turns the environment; its own rotation comes first.
+    pub sky: Mat3,
 }
 
 impl Stage {
@@ -52,6 +67,15 @@ impl Stage {
     /// # Errors
     /// An image that cannot be decoded, or Embree running out of memory.
     pub fn new(document: &Document, threads: usize) -> Result<Self, BuildError> {
+        Self::movable(document, threads, Vec::new())
+    }
+
+    /// A stage of which parts can [`pose`](Self::pose) later: `moving` tells for each of the document's placements whether
+    /// it may. What may move is placed as an instance, which is slower to trace.
+    ///
+    /// # Errors
+    /// As [`Stage::new`].
+    pub fn movable(document: &Document, threads: usize, moving: Vec<bool>) -> Result<Self, BuildError> {
         let start = Instant::now();
         let decode = |image| Texture::load(image).map(Arc::new);
         let textures = document.images.iter().map(decode).collect::<Result<Vec<_>, _>>()?;
@@ -59,33 +83,12 @@ impl Stage {
 
         let start = Instant::now();
         let placements = document.placements();
-        let mut assembly = Assembly {
-            builder: AccelBuilder::new(threads)?,
-            places: Vec::new(),
-            materials: Vec::new(),
-            glows: Vec::new(),
-            emitters: Vec::new(),
-            spectra: Vec::new(),
-            power: Vec::new(),
-        };
-        let fallback = document::Material { opacity: Scalar::constant(1.0), ..document::Material::default() };
-        for material in document.materials.iter().chain([&fallback]) {
-            assembly.add_material(material.clone());
-        }
-        assembly.place_geometry(document, &placements)?;
-        assembly.place_lights(document, &placements)?;
-        if let Some(environment) = &document.environment {
-            let tint = assembly.source(environment.radiance * environment.strength, &environment.spectrum);
-            let sky = match environment.image {
-                Some(image) => Sky::Image(Box::new(SkyImage::new(&textures[image], tint, environment.rotation_deg))),
-                None => Sky::Constant(tint),
-            };
-            assembly.emitters.push(Emitter::Sky(sky));
-            assembly.power.push(f32::NAN);
-        }
-        let Assembly { builder, places, materials, glows, emitters, spectra, mut power } = assembly;
+        let mut builder = AccelBuilder::new(threads)?;
+        let mut assembly = Assembly::new(Ground::New(&mut builder), &moving);
+        assembly.gather(document, &placements, &textures, None)?;
+        let Assembly { places, materials, glows, emitters, spectra, mut power, .. } = assembly;
         let accel = builder.build()?;
-        let bounds = accel.bounds().unwrap_or((Vec3::splat(-0.5), Vec3::splat(0.5)));
+        let bounds = accel.bounds().unwrap_or(NOTHING);
         lighting::weigh_distant(&emitters, &mut power, bounds);
         Ok(Self {
             accel,
@@ -97,8 +100,38 @@ impl Stage {
             lights: Lights::new(emitters, &power),
             sensor: Sensor::new(&lighting::white(document, &placements)),
             bounds,
+            moving,
+            stale: false,
             textures_s,
             bvh_s: start.elapsed().as_secs_f64(),
         })
+    }
+
+    /// Brings the stage to another pose of the same document: transforms, colours of lights and values of materials may be
+    /// others, everything else is as it was. Instances move where they are movable; nothing else in the BVH changes. Returns
+    /// how many moved. The outcome does not depend on earlier poses.
+    ///
+    /// # Errors
+    /// A transform that cannot be inverted, or Embree running out of memory; another pose can follow.
+    pub fn pose(&mut self, document: &Document, pose: &Pose) -> Result<usize, BuildError> {
+        let emitters = std::mem::take(&mut self.lights.emitters);
+        let sky = emitters.into_iter().find_map(|emitter| match emitter {
+            Emitter::Sky(Sky::Image(image)) => Some(image),
+            _ => None,
+        });
+        let places = std::mem::take(&mut self.places).into_iter();
+        let mut built = Built { places, moves: Vec::new(), stale: self.stale };
+        let mut assembly = Assembly::new(Ground::Built(&mut built), &self.moving);
+        assembly.gather(document, &pose.placements, &self.textures, Some((sky, pose.sky)))?;
+        let Assembly { places, materials, glows, emitters, spectra, mut power, .. } = assembly;
+        (self.places, self.materials, self.glows, self.spectra) = (places, materials, glows, spectra);
+
+        let moved = if built.moves.is_empty() { Ok(()) } else { self.accel.move_instances(&built.moves) };
+        self.stale = moved.is_err();
+        self.bounds = self.accel.bounds().unwrap_or(NOTHING);
+        lighting::weigh_distant(&emitters, &mut power, self.bounds);
+        self.lights = Lights::new(emitters, &power);
+        moved?;
+        Ok(built.moves.len())
     }
 }

@@ -197,6 +197,33 @@ impl<'s> Surface<'s> {
 }
 
 impl Place {
+    /// `to_world` maps what Embree holds, `object_to_world` what the file holds.
+    pub fn new(shape: Shape, body: Body, parts: Vec<Part>, to_world: Affine3A, object_to_world: Affine3A) -> Self {
+        let mut place = Self {
+            shape,
+            body,
+            to_world,
+            scale: 1.0,
+            normal_to_world: Mat3::IDENTITY,
+            handedness: 1.0,
+            to_object: Affine3A::IDENTITY,
+            parts,
+            height_m: [0.0; 2],
+        };
+        place.stand(to_world, object_to_world);
+        place
+    }
+
+    /// Puts the place somewhere else; its heights remain to be found.
+    pub fn stand(&mut self, to_world: Affine3A, object_to_world: Affine3A) {
+        let m = to_world.matrix3;
+        self.to_world = to_world;
+        self.scale = m.x_axis.length().max(m.y_axis.length()).max(m.z_axis.length());
+        self.normal_to_world = normal_matrix(&to_world);
+        self.handedness = 1.0f32.copysign(object_to_world.matrix3.determinant());
+        self.to_object = object_to_world.inverse();
+    }
+
     /// The part that a triangle belongs to.
     #[inline]
     pub fn part(&self, prim: u32) -> &Part {
@@ -209,4 +236,10 @@ impl Place {
     fn rounding_m(&self, largest: f32) -> f32 {
         (largest * self.scale + Vec3::from(self.to_world.translation).abs().max_element()) * POSITION_ERROR
     }
+}
+
+/// The inverse transpose, which maps normals.
+pub(super) fn normal_matrix(to_world: &Affine3A) -> Mat3 {
+    let inverse = Mat3::from(to_world.matrix3).inverse();
+    if inverse.is_finite() { inverse.transpose() } else { Mat3::IDENTITY }
 }

@@ -1,5 +1,7 @@
 //! What can be wrong with a stack that is asked for.
 
+use std::fmt::Display;
+
 use thiserror::Error;
 
 use crate::color::IndexError;
@@ -24,6 +26,12 @@ pub enum StudyError {
     NoSurface(String),
     #[error("material `{id}`: {source}")]
     Material { id: String, source: IndexError },
-    #[error("cannot draw the plot: {0}")]
+    #[error("cannot draw: {0}")]
     Drawing(String),
+}
+
+impl StudyError {
+    pub(super) fn drawing(error: impl Display) -> Self {
+        Self::Drawing(error.to_string())
+    }
 }

@@ -1,6 +1,5 @@
 //! Reflectance and transmittance over wavelength, as an SVG drawing.
 
-use std::fmt::Display;
 use std::ops::Range;
 
 use plotters::coord::Shift;
@@ -65,14 +64,14 @@ pub fn plot(
     let mut svg = String::new();
     {
         let paper = SVGBackend::with_string(&mut svg, PLOT_SIZE).into_drawing_area();
-        paper.fill(&WHITE).map_err(drawing)?;
-        let page = paper.titled(&coating.label, ("sans-serif", 18)).map_err(drawing)?;
+        paper.fill(&WHITE).map_err(StudyError::drawing)?;
+        let page = paper.titled(&coating.label, ("sans-serif", 18)).map_err(StudyError::drawing)?;
         let (panels, margin) = page.split_horizontally(PLOT_SIZE.0 - LEGEND_WIDTH);
         let (upper, lower) = panels.split_vertically(PLOT_SIZE.1 * 3 / 5);
         panel(&upper, "reflectance", &curves, nm.clone(), false)?;
         panel(&lower, "transmittance", &curves, nm, true)?;
         legend(&margin, &curves)?;
-        paper.present().map_err(drawing)?;
+        paper.present().map_err(StudyError::drawing)?;
     }
     Ok(svg)
 }
@@ -88,18 +87,18 @@ fn panel(area: &Area, name: &str, curves: &[Curve], nm: Range<f64>, dashed: bool
         .x_label_area_size(44)
         .y_label_area_size(64)
         .build_cartesian_2d(nm, 0.0..top)
-        .map_err(drawing)?;
+        .map_err(StudyError::drawing)?;
     let mut mesh = chart.configure_mesh();
     mesh.x_desc("wavelength / nm").y_desc(name).y_labels(6).label_style(("sans-serif", 14));
     mesh.axis_desc_style(("sans-serif", 15)).bold_line_style(BLACK.mix(0.15)).light_line_style(TRANSPARENT);
     mesh.x_label_formatter(&|x| ten_digits(*x)).y_label_formatter(&|y| ten_digits(*y));
-    mesh.draw().map_err(drawing)?;
+    mesh.draw().map_err(StudyError::drawing)?;
     for curve in curves {
         let style = curve.pen.stroke_width(2);
         if dashed {
-            chart.draw_series(DashedLineSeries::new(points(curve), 8, 5, style)).map_err(drawing)?;
+            chart.draw_series(DashedLineSeries::new(points(curve), 8, 5, style)).map_err(StudyError::drawing)?;
         } else {
-            chart.draw_series(LineSeries::new(points(curve), style)).map_err(drawing)?;
+            chart.draw_series(LineSeries::new(points(curve), style)).map_err(StudyError::drawing)?;
         }
     }
     Ok(())
@@ -110,8 +109,8 @@ fn legend(area: &Area, curves: &[Curve]) -> Result<(), StudyError> {
     for (row, curve) in curves.iter().enumerate() {
         let y = 20 + 22 * row as i32;
         let line = PathElement::new([(0, y), (20, y)], curve.pen.stroke_width(3));
-        area.draw(&line).map_err(drawing)?;
-        area.draw(&Text::new(curve.name.as_str(), (28, y - 7), ("sans-serif", 14))).map_err(drawing)?;
+        area.draw(&line).map_err(StudyError::drawing)?;
+        area.draw(&Text::new(curve.name.as_str(), (28, y - 7), ("sans-serif", 14))).map_err(StudyError::drawing)?;
     }
     Ok(())
 }
@@ -126,8 +125,4 @@ fn pen(rgb: [f64; 3]) -> RGBColor {
         (255.0 * signal).round() as u8
     });
     RGBColor(r, g, b)
-}
-
-fn drawing(error: impl Display) -> StudyError {
-    StudyError::Drawing(error.to_string())
 }

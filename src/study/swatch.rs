@@ -6,6 +6,7 @@ use crate::color::{MAX_NM, MIN_NM, Sensor};
 use crate::film::{Range, Side, SpectralFilm, spectral};
 use crate::output::{HeaderValue, Picture};
 
+use super::canvas::{Anchor, Canvas};
 use super::coating::Coating;
 use super::lettering;
 use super::number::{round_step, ten_digits};
@@ -66,8 +67,7 @@ pub fn swatch(coating: &Coating, sensor: &Sensor, plan: &SwatchPlan) -> Picture 
         note("thickness_nm", format!("{min_nm}..{max_nm}")),
         note("angle_deg", format!("{low}..{high}")),
     ];
-    let [width, height] = SWATCH_SIZE.map(|side| side as u32);
-    Picture { width, height, crop: None, rgba: canvas.rgba, layers: Vec::new(), header }
+    canvas.into_picture(header)
 }
 
 /// The coloured field.
@@ -93,7 +93,7 @@ fn fill(canvas: &mut Canvas, coating: &Coating, sensor: &Sensor, plan: &SwatchPl
         let (below, t) = (place as usize, place.fract());
         for (x, (a, b)) in rows[below].iter().zip(&rows[below + 1]).enumerate() {
             let [r, g, b]: [f32; 3] = std::array::from_fn(|c| a[c] + t * (b[c] - a[c]));
-            canvas.rgba[(TOP + y) * SWATCH_SIZE[0] + LEFT + x] = [r, g, b, 1.0];
+            canvas.pixel(LEFT + x, TOP + y, [r, g, b]);
         }
     }
 }
@@ -137,49 +137,4 @@ fn ticks(low: f64, high: f64) -> Vec<(f64, String)> {
     let last = (high / step + 1e-9).floor() as i64;
     let tick = |i: i64| ((i as f64 * step - low) / (high - low), ten_digits(i as f64 * step));
     (first..=last).map(tick).collect()
-}
-
-enum Anchor {
-    Start,
-    Middle,
-    End,
-}
-
-/// Black on white.
-struct Canvas {
-    size: [usize; 2],
-    rgba: Vec<[f32; 4]>,
-}
-
-impl Canvas {
-    fn new(size: [usize; 2]) -> Self {
-        Self { size, rgba: vec![[1.0; 4]; size[0] * size[1]] }
-    }
-
-    fn ink(&mut self, x: usize, y: usize) {
-        if x < self.size[0] && y < self.size[1] {
-            self.rgba[y * self.size[0] + x] = [0.0, 0.0, 0.0, 1.0];
-        }
-    }
-
-    fn box_of(&mut self, xs: std::ops::Range<usize>, ys: std::ops::Range<usize>) {
-        for y in ys {
-            for x in xs.clone() {
-                self.ink(x, y);
-            }
-        }
-    }
-
-    /// `y` is the top of the letters.
-    fn text(&mut self, text: &str, x: usize, anchor: Anchor, y: usize) {
-        let width = text.chars().count() * lettering::ADVANCE;
-        let start = match anchor {
-            Anchor::Start => x,
-            Anchor::Middle => x.saturating_sub(width / 2),
-            Anchor::End => x.saturating_sub(width),
-        };
-        for (dx, dy) in lettering::pixels(text) {
-            self.ink(start + dx, y + dy);
-        }
-    }
 }

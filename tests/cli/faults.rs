@@ -73,11 +73,11 @@ fn an_old_picture_outlives_a_failed_render() {
 }
 
 /// A file system of 2 MB, unmounted at the end.
-struct SmallDisk<'a>(&'a Folder);
+pub struct SmallDisk<'a>(&'a Folder);
 
 impl<'a> SmallDisk<'a> {
     /// `None`, with a printed reason, where this user may not mount.
-    fn mount(folder: &'a Folder) -> Option<Self> {
+    pub fn mount(folder: &'a Folder) -> Option<Self> {
         let mount = Command::new("mount").args(["-t", "tmpfs", "-o", "size=2m", "tmpfs"]).arg(&folder.0).output();
         match mount {
             Ok(output) if output.status.success() => Some(Self(folder)),

@@ -3,13 +3,13 @@
 use super::*;
 
 /// A render that would take hours, and is under way.
-struct Rendering {
+pub struct Rendering {
     child: Child,
     stderr: BufReader<std::process::ChildStderr>,
 }
 
 impl Rendering {
-    fn start(file: &str, size: &str) -> Self {
+    pub fn start(file: &str, size: &str) -> Self {
         let arguments = ["render", "room.dae", "-o", file, "--spp", "1000000", "--size", size, "--progress", "none"];
         let mut child = command(&arguments).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
         let mut stderr = BufReader::new(child.stderr.take().unwrap());
@@ -22,7 +22,7 @@ impl Rendering {
         Self { child, stderr }
     }
 
-    fn send(&self, signals: &[&str]) {
+    pub fn send(&self, signals: &[&str]) {
         for signal in signals {
             let pid = self.child.id().to_string();
             assert!(Command::new("kill").args(["-s", signal, &pid]).status().unwrap().success());
@@ -30,7 +30,7 @@ impl Rendering {
     }
 
     /// The exit code and the rest of stderr; within 5 s.
-    fn end(mut self) -> (Option<i32>, String) {
+    pub fn end(mut self) -> (Option<i32>, String) {
         let start = Instant::now();
         let status = loop {
             if let Some(status) = self.child.try_wait().unwrap() {

@@ -12,14 +12,14 @@ use pellicle::scene::{self, FilmOptions, Framing, Scene, Stage};
 use super::Count;
 use crate::transport::{Builder, Unwatched, coated, diffuse, glass, mean, metal, quad, shining};
 
-const LIMITS: PathLimits = PathLimits { max_bounces: 6, strategy: Strategy::Mis };
+const LIMITS: PathLimits = PathLimits { max_bounces: 6, strategy: Strategy::Shared };
 
 fn picture<M: Mode>(scene: &Builder, size: [u32; 2], spp: u32) -> Frame {
     let stage = Arc::new(Stage::new(&scene.0, 1).unwrap());
     let compiled = Scene::<M>::new(stage.clone(), &FilmOptions { tolerance: 1.0, rung: None }).unwrap();
     let size = size.map(Some);
     let (camera, _) = scene::Camera::new(&scene.0, None, size, Framing::Scene, stage.bounds).unwrap();
-    let plan = Plan { spp, seed: 1, threads: 1, filter: Filter::Box, limits: LIMITS };
+    let plan = Plan { spp, seed: 1, threads: 1, filter: Filter::Box, limits: LIMITS, clamp: None };
     render(&compiled, &camera, &plan, &Unwatched).unwrap()
 }
 
@@ -35,6 +35,7 @@ fn physical(count: &mut Count, frame: &Frame, most: f64, at: &dyn Fn() -> String
 /// Everything that was placed, `scale` times as large and moved by `shift`.
 fn transformed(mut scene: Builder, scale: f32, shift: Vec3) -> Builder {
     scene.0.to_world = Mat4::from_translation(shift) * Mat4::from_scale(Vec3::splat(scale));
+    scene.0.come_near();
     scene
 }
 

@@ -4,14 +4,11 @@ use crate::collada::error::Fault;
 use crate::collada::loader::Loader;
 use crate::collada::xml::Element;
 use crate::color::{Index, Kind};
-use crate::document::{Channel4, Film, Thickness};
+use crate::document::{Channel4, Film, THICKEST_NM, Thickness};
 
 use super::index::{named, names};
 use super::maps;
 use super::strict::{Bounds, Strict, at_most_one};
-
-/// Thickest film, in nm.
-const LIMIT_NM: f32 = 50_000.0;
 
 /// All `<film>` children of a base, outermost first.
 pub fn stack<'a>(loader: &mut Loader<'a>, base: Element<'a>, user: &str) -> Result<Vec<Film>, Fault> {
@@ -71,11 +68,11 @@ fn thickness_nm(strict: &mut Strict, name: &'static str) -> Result<Option<f32>, 
     let fault = |message: String| strict.element.fault_at_value(name, message);
     if value > 0.0 && value < 1.0 {
         let hint = format!("did you mean um? {value} um are {} nm", value * 1000.0);
-        return Err(fault(format!("`{name}` is {value}; it must be 0 or lie in 1..{LIMIT_NM}")).hint(hint));
+        return Err(fault(format!("`{name}` is {value}; it must be 0 or lie in 1..{THICKEST_NM}")).hint(hint));
     }
-    if value > LIMIT_NM {
-        let hint = format!("did you mean um? the limit is {} um", LIMIT_NM / 1000.0);
-        return Err(fault(format!("`{name}` is {value}; it must lie in 0..{LIMIT_NM}")).hint(hint));
+    if value > THICKEST_NM {
+        let hint = format!("did you mean um? the limit is {} um", THICKEST_NM / 1000.0);
+        return Err(fault(format!("`{name}` is {value}; it must lie in 0..{THICKEST_NM}")).hint(hint));
     }
     Ok(Some(value))
 }
