@@ -118,12 +118,9 @@ fn wavelengths_in_f32_follow_the_exact_optics_at_every_extreme() {
                 for nm in THICKNESSES {
                     count.combination();
                     let split = film.split(side, cos as f32, nm as f32, &NM);
-                    for lane in 0..4 {
-                        let at = || format!("{}, {side:?}, cos {cos}, {nm} nm, {} nm", system.name, NM[lane]);
-                        let here = Split {
-                            reflect: f64::from(split.reflect[lane]),
-                            transmit: f64::from(split.transmit[lane]),
-                        };
+                    for ((reflect, transmit), lambda) in split.reflect.iter().zip(&split.transmit).zip(NM) {
+                        let at = || format!("{}, {side:?}, cos {cos}, {nm} nm, {lambda} nm", system.name);
+                        let here = Split { reflect: f64::from(*reflect), transmit: f64::from(*transmit) };
                         physical(&mut count, here, system.lossless, 2e-5, &at);
                     }
                 }
