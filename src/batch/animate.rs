@@ -23,8 +23,8 @@ impl Animation {
     }
 
     /// Frame n is n / fps seconds into the animation, as exporters count.
-    pub fn time_s(&self, frame: u32) -> f64 {
-        f64::from(frame) / self.fps
+    pub fn time_s(&self, frame: f64) -> f64 {
+        frame / self.fps
     }
 
     /// Frames from the first key to the last.
@@ -39,7 +39,7 @@ impl Animation {
     ///
     /// # Errors
     /// As [`Document::pose`].
-    pub fn pose(&mut self, document: &mut Document, frame: u32) -> Result<(), PoseError> {
+    pub fn pose(&mut self, document: &mut Document, frame: f64) -> Result<(), PoseError> {
         document.pose(self.time_s(frame), &mut self.changes)
     }
 }

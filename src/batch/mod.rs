@@ -13,6 +13,7 @@ pub mod record;
 pub mod resume;
 mod row;
 pub mod sequence;
+pub mod shutter;
 mod stats;
 pub mod still;
 mod summary;

@@ -1,5 +1,6 @@
 //! Many pictures of one scene: loaded once, built once, posed for each frame.
 
+use std::ops::AddAssign;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
@@ -10,6 +11,7 @@ use super::animate::Animation;
 use super::budget::{Budget, Limited, Schedule};
 use super::frames::Pattern;
 use super::row::Row;
+use super::shutter::{Shutter, Until};
 use super::still::{self, Prepared, StillPlan, built};
 use super::thumbnail::Thumbnail;
 use super::turntable::{Turning, Turntable};
@@ -17,7 +19,7 @@ use crate::document::Document;
 use crate::error::Error;
 use crate::mode::Mode;
 use crate::output::{self, Format, HeaderValue};
-use crate::render::{Plan, Watch};
+use crate::render::{Accumulation, Frame, Plan, Watch};
 use crate::scene::{Camera, Framing, Placed, Pose, Stage};
 
 /// What changes from frame to frame.
@@ -44,6 +46,8 @@ pub struct SequencePlan {
     /// The same sample pattern in every frame; else frame n has the seed plus n.
     pub seed_lock: bool,
     pub budget: Budget,
+    /// Motion blur, where it is wanted.
+    pub shutter: Option<Shutter>,
     /// Stands for everything that decides what a frame looks like; goes into each file, for resuming.
     pub settings: String,
 }
@@ -124,6 +128,15 @@ struct Posed {
     materials_compiled: usize,
 }
 
+impl AddAssign for Posed {
+    fn add_assign(&mut self, more: Self) {
+        self.bvh_s += more.bvh_s;
+        self.materials_s += more.materials_s;
+        self.instances_moved += more.instances_moved;
+        self.materials_compiled += more.materials_compiled;
+    }
+}
+
 impl<M: Mode> Sequence<M> {
     /// The opening line.
     pub fn summary(&self) -> String {
@@ -163,15 +176,13 @@ impl<M: Mode> Sequence<M> {
         path: &Path,
         start: Instant,
     ) -> Result<Option<Done>, Error> {
-        let posed = self.pose(frame)?;
-
         // Render within the limit.
         let limit = self.schedule.limit(left);
         let seed = if self.plan.seed_lock { 0 } else { frame };
         let mut still = self.still.clone();
         still.render = Plan { spp: limit.spp, seed: still.render.seed.wrapping_add(seed), ..still.render };
         let limited = Limited { watch, limit, start: Instant::now() };
-        let image = self.prepared.render(&still, &limited)?;
+        let (image, posed) = self.expose(frame, &still, &limited)?;
         if watch.stop() && image.spp < limit.spp {
             return Ok(None);
         }
@@ -226,8 +237,27 @@ impl<M: Mode> Sequence<M> {
         Ok(Some(Done { row, thumbnail: Some(thumbnail) }))
     }
 
-    /// Brings the scene to a frame; builds no more anew than has changed.
-    fn pose(&mut self, frame: u32) -> Result<Posed, Error> {
+    /// Poses and renders: once, or for each sample where the shutter takes its time.
+    fn expose(&mut self, frame: u32, still: &StillPlan, limited: &Limited) -> Result<(Frame, Posed), Error> {
+        let frame = f64::from(frame);
+        let Some(shutter) = self.plan.shutter else {
+            let posed = self.pose(frame)?;
+            return Ok((self.prepared.render(still, limited)?, posed));
+        };
+        let mut posed = Posed::default();
+        let mut sums = Accumulation::new(self.prepared.camera.size, 0..limited.limit.spp);
+        for index in 0..limited.limit.spp {
+            posed += self.pose(frame + shutter.moment(index))?;
+            self.prepared.accumulate(still, &mut sums, &Until { watch: limited, spp: index + 1 })?;
+            if sums.spp() <= index {
+                break;
+            }
+        }
+        Ok((sums.into_frame(), posed))
+    }
+
+    /// Brings the scene to a frame, or between two; builds no more anew than has changed.
+    fn pose(&mut self, frame: f64) -> Result<Posed, Error> {
         let Self { document, prepared, motion, still, .. } = self;
         match motion {
             Motion::Turntable(table) => {
@@ -271,8 +301,8 @@ impl<M: Mode> Sequence<M> {
     /// What is known of a frame before it is made.
     fn row(&self, frame: u32, path: &Path, start: Instant) -> Row {
         let moment = match &self.motion {
-            Motion::Turntable(table) => table.angle_deg(frame),
-            Motion::Animation(animation) => animation.time_s(frame),
+            Motion::Turntable(table) => table.angle_deg(f64::from(frame)),
+            Motion::Animation(animation) => animation.time_s(f64::from(frame)),
         };
         Row {
             frame,

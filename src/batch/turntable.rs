@@ -124,13 +124,13 @@ impl Turntable {
         Ok((table, line))
     }
 
-    /// Degrees at a frame, 0 to below 360: the frame after the last of a full turn is the first to the last bit.
-    pub fn angle_deg(&self, frame: u32) -> f64 {
-        (self.degrees * f64::from(frame) / f64::from(self.count)).rem_euclid(360.0)
+    /// Degrees at a frame or between two, 0 to below 360: the frame after the last of a full turn is the first to the last bit.
+    pub fn angle_deg(&self, frame: f64) -> f64 {
+        (self.degrees * frame / f64::from(self.count)).rem_euclid(360.0)
     }
 
     /// How what turns stands at a frame, seen from how the file has it.
-    pub fn motion(&self, frame: u32) -> Affine3A {
+    pub fn motion(&self, frame: f64) -> Affine3A {
         let turn = DAffine3::from_axis_angle(self.axis, self.angle_deg(frame).to_radians());
         let to_pivot = DAffine3::from_translation(self.pivot);
         let motion = to_pivot * turn * DAffine3::from_translation(-self.pivot);

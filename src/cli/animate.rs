@@ -47,7 +47,7 @@ pub fn run(args: &AnimateArgs) -> Result<(), Error> {
         .inform(&format!("{channels} channels move the scene from frame {first} to {last} at {fps} frames a second"));
     let mut animation = Animation::new(&work.document, fps);
     // The scene is built as its animation begins, whatever frames are wanted: all parts of a batch agree.
-    animation.pose(&mut work.document, first)?;
+    animation.pose(&mut work.document, f64::from(first))?;
     animation.changes = Default::default();
     work.run(Motion::Animation(animation), frames, &format!("animate {fps} fps"))
 }

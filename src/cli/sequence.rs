@@ -19,6 +19,7 @@ use crate::batch::frames::{FrameList, Pattern};
 use crate::batch::record::Record;
 use crate::batch::resume;
 use crate::batch::sequence::{Loading, Motion, Sequence, SequencePlan, Staged};
+use crate::batch::shutter::Shutter;
 use crate::batch::still::{self, StillPlan};
 use crate::batch::{Thumbnail, Transport};
 use crate::document::Document;
@@ -38,6 +39,9 @@ pub struct SequenceArgs {
     /// Frames per second
     #[arg(long, value_name = "N", default_value_t = 24.0, value_parser = parse_positive)]
     pub fps: f64,
+    /// Motion blur: how long the shutter is open, in degrees of the 360 that a frame lasts (180 is usual)
+    #[arg(long, value_name = "DEG", value_parser = parse_shutter)]
+    shutter: Option<Shutter>,
     /// Make a video of the frames when all are there: .mp4, .mov, .webm, .mkv or .png, as `pellicle encode` does
     #[arg(long, value_name = "FILE")]
     video: Option<PathBuf>,
@@ -68,6 +72,13 @@ fn parse_positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(number) if number > 0.0 && number.is_finite() => Ok(number),
         _ => Err("write a number greater than 0".to_owned()),
+    }
+}
+
+fn parse_shutter(text: &str) -> Result<Shutter, String> {
+    match text.parse::<f64>() {
+        Ok(deg) if deg > 0.0 && deg <= 360.0 => Ok(Shutter { open: deg / 360.0 }),
+        _ => Err("write degrees above 0, up to 360".to_owned()),
     }
 }
 
@@ -222,6 +233,7 @@ impl<'a> Work<'a> {
             format: self.format,
             seed_lock: self.args.seed_lock,
             budget: self.args.budget(),
+            shutter: self.args.shutter,
             settings,
         };
         let scene = Staged {
@@ -249,9 +261,9 @@ impl<'a> Work<'a> {
         (still.render.threads, still.max_memory) = (0, None);
         let mut options = self.scene.options();
         options.allow_path.clear();
-        let (budget, lock) = (self.args.budget(), self.args.seed_lock);
+        let (budget, lock, shutter) = (self.args.budget(), self.args.seed_lock, self.args.shutter);
         let mode = self.picture.mode_words(&self.document.render);
-        format!("{still:?} {options:?} {mode} {budget:?} {lock} {motion_words}")
+        format!("{still:?} {options:?} {mode} {budget:?} {lock} {shutter:?} {motion_words}")
     }
 }
 

@@ -137,3 +137,33 @@ fn wrong_lists_and_patterns_are_usage() {
     assert_eq!(fail(3, &["turntable", "room.dae", "-o", &folder.file("f.####.jpg")]).lines().count(), 1);
     assert!(folder.names().is_empty());
 }
+
+/// What does not move stays sharp to the last bit; what moves becomes the mean of where it was.
+#[test]
+fn an_open_shutter_blurs_what_moves_and_nothing_else() {
+    let sharp = Folder::new("sharp");
+    turn(&sharp, "moving.dae", &["--frames", "0/4", "--degrees", "0", "--spp", "8"]);
+    let still = Folder::new("still");
+    turn(&still, "moving.dae", &["--frames", "0/4", "--degrees", "0", "--spp", "8", "--shutter", "180"]);
+    assert_eq!(pixels(&still, 0), pixels(&sharp, 0));
+
+    // Half of a step of 90 degrees, in 64 moments; and the same moments as frames of their own.
+    let blurred = Folder::new("blurred");
+    let object = ["--mode", "object", "--seed-lock"];
+    turn(&blurred, "moving.dae", &[&object[..], &["--frames", "1/4", "--spp", "64", "--shutter", "180"]].concat());
+    let moments = Folder::new("moments");
+    turn(&moments, "moving.dae", &[&object[..], &["--frames", "48-80/256", "--spp", "32"]].concat());
+    let mut mean = vec![0.0; 24 * 18];
+    for frame in 48..=80 {
+        for (sum, pixel) in mean.iter_mut().zip(pixels(&moments, frame)) {
+            *sum += pixel[1] / 33.0;
+        }
+    }
+    let (mut error, mut light) = (0.0, 0.0);
+    for (blurred, mean) in pixels(&blurred, 1).iter().zip(&mean) {
+        error += (blurred[1] - mean).abs();
+        light += mean;
+    }
+    assert!(error < 0.05 * light, "{error} of {light}");
+    assert_ne!(pixels(&blurred, 1), pixels(&moments, 64));
+}
