@@ -125,4 +125,8 @@ impl Watch for Pause<'_> {
     fn stop(&self) -> bool {
         self.watch.stop() || self.at.is_some_and(|at| Instant::now() >= at)
     }
+
+    fn pass(&self, so_far: &Accumulation) -> u32 {
+        self.watch.pass(so_far)
+    }
 }

@@ -87,9 +87,9 @@ fn a_signal_ends_even_a_large_picture_and_leaves_the_old_one() {
 #[test]
 fn a_second_signal_ends_at_once() {
     let folder = Folder::new("second");
-    let rendering = Rendering::start(&folder.file("a.exr"), "64x48");
-    std::thread::sleep(Duration::from_millis(300));
-    // Both arrive before the program does anything about the first.
+    let rendering = Rendering::start(&folder.file("a.exr"), "640x480");
+    std::thread::sleep(Duration::from_millis(1500));
+    // Both arrive before the program has done much about the first: writing this picture takes a while.
     rendering.send(&["STOP", "INT", "TERM", "CONT"]);
     let (status, stderr) = rendering.end();
     assert!(matches!(status, Some(130 | 143)), "{status:?} {stderr}");
