@@ -122,7 +122,8 @@ pub fn radiances<M: Mode>(
 
     let mut gathered = [M::Light::ZERO; GROUP];
     for (finder, path) in posts.iter().zip(&*paths) {
-        if let Some(y) = &finder.y {
+        // Where nothing is scattered there is nothing to look at.
+        if let Some(y) = finder.y.as_ref().filter(|_| !path.radiance.is_black()) {
             hand_out(scene, &posts, (finder, y), path, &mut gathered, tally);
         }
     }

@@ -37,8 +37,8 @@ pub struct ConvergenceArgs {
     /// Write NAME.csv, NAME.svg and NAME.png; without it only the table is printed
     #[arg(short, long, value_name = "NAME")]
     output: Option<PathBuf>,
-    /// A configuration: a name and options of `pellicle render` (repeatable) [default: rgb, its strategies light and bsdf,
-    /// and spectral with 8 and 4 wavelengths]
+    /// A configuration: a name and options of `pellicle render` (repeatable) [default: rgb, its strategies mis, light and
+    /// bsdf, and spectral with 8 and 4 wavelengths]
     #[arg(long = "config", value_name = "NAME=OPTIONS")]
     configs: Vec<String>,
     /// Options of `pellicle render` for all configurations
@@ -84,8 +84,9 @@ enum ClockArg {
     Wall,
 }
 
-const DEFAULT_CONFIGS: [&str; 5] = [
+const DEFAULT_CONFIGS: [&str; 6] = [
     "rgb=--mode rgb",
+    "rgb mis=--mode rgb --strategy mis",
     "rgb light=--mode rgb --strategy light",
     "rgb bsdf=--mode rgb --strategy bsdf",
     "spectral 8=--mode spectral",
