@@ -4,12 +4,12 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::render::{AovArg, aovs, check_aovs};
+use super::render::FileArgs;
 use super::{print, say};
 use crate::batch::merge::Merge;
-use crate::batch::still::{self, Look};
+use crate::batch::still;
 use crate::error::Error;
-use crate::output::{self, PngDepth};
+use crate::output;
 
 /// Merge the parts that `render --samples` wrote into one picture
 ///
@@ -35,15 +35,8 @@ pub struct MergeArgs {
     /// Brightness of PNG pictures, in stops [default: as rendered]
     #[arg(long, value_name = "EV", allow_negative_numbers = true)]
     exposure: Option<f32>,
-    /// Bits per channel of PNG pictures
-    #[arg(long, value_name = "BITS", value_parser = ["8", "16"], default_value = "8")]
-    png_depth: String,
-    /// Write 32-bit instead of 16-bit floats to EXR
-    #[arg(long)]
-    float: bool,
-    /// More layers for EXR, with commas between them
-    #[arg(long = "aov", value_name = "LIST", value_enum, value_delimiter = ',')]
-    aovs: Vec<AovArg>,
+    #[command(flatten)]
+    file: FileArgs,
     /// Say nothing but errors
     #[arg(short, long)]
     quiet: bool,
@@ -56,17 +49,13 @@ pub fn run(args: &MergeArgs) -> Result<(), Error> {
         }
     };
     let format = output::check_picture(&args.output)?;
-    check_aovs(&args.output, format, &args.aovs)?;
+    args.file.check(&args.output, format)?;
     let merge = Merge::plan(&args.parts, args.partial)?;
     let sums = merge.run(|part| inform(&format!("adding {}", part.display())))?;
 
     let frame = sums.into_frame();
-    let look = Look {
-        exposure_ev: args.exposure.unwrap_or(merge.header.exposure_ev),
-        png_depth: if args.png_depth == "16" { PngDepth::Sixteen } else { PngDepth::Eight },
-        float: args.float,
-    };
-    let picture = still::picture(&frame, &aovs(&args.aovs), merge.header.picture.clone());
+    let look = args.file.look(args.exposure.unwrap_or(merge.header.exposure_ev));
+    let picture = still::picture(&frame, &args.file.aovs(), merge.header.picture.clone());
     still::write(&args.output, format, &picture, look)?;
     inform(&format!(
         "{}: {}x{}, {} of {} spp from {} parts",

@@ -99,6 +99,16 @@ pub struct PictureArgs {
     /// Brightness of PNG pictures, in stops [default: the scene's, or 0]
     #[arg(long, value_name = "EV", allow_negative_numbers = true)]
     exposure: Option<f32>,
+    #[command(flatten)]
+    file: FileArgs,
+    /// Most memory for the picture, like `8G` or `500M` [default: what the machine has left]
+    #[arg(long, value_name = "SIZE", value_parser = parse_bytes)]
+    max_memory: Option<u64>,
+}
+
+/// How picture files are written: shared by every subcommand that writes some.
+#[derive(Args)]
+pub struct FileArgs {
     /// Bits per channel of PNG pictures
     #[arg(long, value_name = "BITS", value_parser = ["8", "16"], default_value = "8")]
     png_depth: String,
@@ -108,9 +118,29 @@ pub struct PictureArgs {
     /// More layers for EXR, with commas between them
     #[arg(long = "aov", value_name = "LIST", value_enum, value_delimiter = ',')]
     aovs: Vec<AovArg>,
-    /// Most memory for the picture, like `8G` or `500M` [default: what the machine has left]
-    #[arg(long, value_name = "SIZE", value_parser = parse_bytes)]
-    max_memory: Option<u64>,
+}
+
+impl FileArgs {
+    pub fn look(&self, exposure_ev: f32) -> Look {
+        let png_depth = if self.png_depth == "16" { PngDepth::Sixteen } else { PngDepth::Eight };
+        Look { exposure_ev, png_depth, float: self.float }
+    }
+
+    /// Each once.
+    pub fn aovs(&self) -> Vec<Aov> {
+        let mut aovs: Vec<Aov> = self.aovs.iter().map(|AovArg::Variance| Aov::Variance).collect();
+        aovs.dedup();
+        aovs
+    }
+
+    /// PNG cannot hold what EXR can.
+    pub fn check(&self, output: &Path, format: Format) -> Result<(), Error> {
+        if format == Format::Exr || self.aovs.is_empty() {
+            return Ok(());
+        }
+        let problem = format!("{}: PNG has no room for the layers of --aov", output.display());
+        Err(Error::Usage(format!("{problem}; write .exr")))
+    }
 }
 
 /// What is said on the way.
@@ -182,7 +212,7 @@ enum StrategyArg {
 }
 
 #[derive(Clone, Copy, ValueEnum)]
-pub(super) enum AovArg {
+enum AovArg {
     /// Variance of each pixel's mean (variance.R, variance.G, variance.B)
     Variance,
 }
@@ -224,27 +254,11 @@ fn parse_bytes(text: &str) -> Result<u64, String> {
     bytes.ok_or_else(|| "write it as a whole number of bytes, or like `500M` or `8G`".to_owned())
 }
 
-/// Each once.
-pub(super) fn aovs(args: &[AovArg]) -> Vec<Aov> {
-    let mut aovs: Vec<Aov> = args.iter().map(|AovArg::Variance| Aov::Variance).collect();
-    aovs.dedup();
-    aovs
-}
-
-/// PNG cannot hold what EXR can.
-pub(super) fn check_aovs(output: &Path, format: Format, aovs: &[AovArg]) -> Result<(), Error> {
-    if format == Format::Exr || aovs.is_empty() {
-        return Ok(());
-    }
-    let problem = format!("{}: PNG has no room for the layers of --aov", output.display());
-    Err(Error::Usage(format!("{problem}; write .exr")))
-}
-
 pub fn run(args: &RenderArgs) -> Result<(), Error> {
     // Find out now, not after hours, whether the results can be written.
     let target = args.sampling.target(&args.output)?;
     if let Target::Picture(format) = target {
-        check_aovs(&args.output, format, &args.picture.aovs)?;
+        args.picture.file.check(&args.output, format)?;
     }
     if let Some(stats) = &args.stats {
         output::check_writable(stats)?;
@@ -459,12 +473,8 @@ impl PictureArgs {
                 },
                 clamp: self.clamp,
             },
-            look: Look {
-                exposure_ev: self.exposure.or(hints.exposure_ev).unwrap_or(0.0),
-                png_depth: if self.png_depth == "16" { PngDepth::Sixteen } else { PngDepth::Eight },
-                float: self.float,
-            },
-            aovs: aovs(&self.aovs),
+            look: self.file.look(self.exposure.or(hints.exposure_ev).unwrap_or(0.0)),
+            aovs: self.file.aovs(),
             max_memory: self.max_memory,
         }
     }
