@@ -14,6 +14,7 @@ mod film; // the optics against independent truth tables
 mod film_command; // `pellicle film` against the same tables; errors that help; drawings
 mod golden; // shipped scenes against stored pictures
 mod house; // the order of the rooms, where unsafe may be, files that stay readable
+mod nesting; // bodies in, beside and across each other
 mod output; // files are whole or absent
 mod stability; // where methods fail: finite, bounded, continuous at every extreme
 mod statistics; // the tests' own tools

@@ -54,7 +54,20 @@ pub enum Base {
         absorption_per_m: Vec3,
         /// False for CGL `<refraction>`, which transmits everything and reflects nothing.
         fresnel: bool,
+        /// Makes it a medium: where bodies overlap, the one of the highest priority is there. `None`: in air, whatever lies
+        /// around it.
+        priority: Option<u8>,
     },
+}
+
+impl Base {
+    /// Absorption of what lies inside, linear RGB per metre; zero for opaque bodies.
+    pub fn absorption_per_m(&self) -> Vec3 {
+        match self {
+            Self::Dielectric { absorption_per_m, .. } => *absorption_per_m,
+            _ => Vec3::ZERO,
+        }
+    }
 }
 
 impl Default for Base {

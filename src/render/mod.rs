@@ -111,6 +111,7 @@ pub fn accumulate<M: Mode>(
         .build()
         .map_err(|e| RenderError::Threads { threads: plan.threads, reason: e.to_string() })?;
     sums.threads = pool.current_num_threads();
+    let camera = &camera.settled(scene);
     let clock = std::time::Instant::now();
     let cpu_clock = CpuClock::start();
     let total = sums.samples.end - sums.samples.start;
@@ -200,7 +201,7 @@ fn render_group<M: Mode>(
         let offset = Vec2::new(plan.filter.sample(u_x), plan.filter.sample(u_y));
         let position = Vec2::new(x as f32, y as f32) + 0.5 + offset;
         let blind = edges.cross(x - tile.x0, y - tile.y0);
-        paths.push(Path::new(camera.ray(position, [lens_x, lens_y]), waves, sampler, blind));
+        paths.push(Path::new(camera.ray(position, [lens_x, lens_y]), camera.interior, waves, sampler, blind));
     }
     radiances(scene, &mut paths, &plan.limits, tally);
     for (&member, path) in group.iter().zip(&mut paths) {

@@ -2,9 +2,11 @@
 
 use glam::{Affine3A, Mat4, Vec2, Vec3};
 
+use super::{Interior, Scene};
 use crate::document::{Document, Item, Lens, Projection};
 use crate::embree::Ray;
 use crate::math::warp::square_to_disk;
+use crate::mode::Mode;
 
 /// Which rule places the camera.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -31,6 +33,8 @@ pub struct Camera {
     orthographic: bool,
     lens: Option<Lens>,
     pub size: [u32; 2],
+    /// What its rays begin in ([`Camera::settled`]).
+    pub interior: Interior,
 }
 
 /// Distance of the CS184 eye from the centre of the scene, in diagonals of its box.
@@ -123,6 +127,11 @@ impl Camera {
         Ok((camera, if course { Placed::Cs184 } else { Placed::AsWritten }))
     }
 
+    /// The same camera, knowing the bodies that it stands in.
+    pub fn settled<M: Mode>(&self, scene: &Scene<M>) -> Self {
+        Self { interior: scene.interior_at(self.origin), ..self.clone() }
+    }
+
     /// The same view in a picture of another size and about the same aspect.
     pub fn resized(&self, size: [u32; 2]) -> Self {
         Self { size, ..self.clone() }
@@ -145,7 +154,18 @@ impl Camera {
         let right =
             forward.cross(up_hint).try_normalize().or_else(|| forward.cross(any_up).try_normalize()).unwrap_or(Vec3::X);
         let up = right.cross(forward);
-        Self { origin, right, up, forward, half, shift: Vec2::ZERO, orthographic, lens: None, size }
+        Self {
+            origin,
+            right,
+            up,
+            forward,
+            half,
+            shift: Vec2::ZERO,
+            orthographic,
+            lens: None,
+            size,
+            interior: Interior::AIR,
+        }
     }
 
     /// A three-quarter view that holds the whole box.

@@ -90,7 +90,7 @@ pub struct Surface<'s> {
     /// `u32::MAX` when the surface does not shine.
     pub emitter: u32,
     /// Bound on the rounding error of `position`, per axis.
-    error_m: f32,
+    pub(super) error_m: f32,
 }
 
 /// Rounding of an interpolated position against the largest coordinate involved: about eight units in the last place.

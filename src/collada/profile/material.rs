@@ -84,8 +84,9 @@ fn dielectric<'a>(loader: &mut Loader<'a>, element: Element<'a>, user: &str) -> 
     let index = glass.unwrap_or(Index::Constant { n: ior.unwrap_or(1.5), k: 0.0 });
     let microfacets = microfacets(loader, &mut strict, user)?;
     let absorption_per_m = strict.rgb("absorption_per_m", Bounds::AtLeast(0.0))?.unwrap_or(Vec3::ZERO);
+    let priority = strict.whole("priority", 0, u32::from(u8::MAX))?.map(|priority| priority as u8);
     strict.finish(&SURFACE_CHILDREN)?;
-    Ok(Base::Dielectric { index, microfacets, absorption_per_m, fresnel: true })
+    Ok(Base::Dielectric { index, microfacets, absorption_per_m, fresnel: true, priority })
 }
 
 fn microfacets<'a>(loader: &mut Loader<'a>, strict: &mut Strict<'a>, user: &str) -> Result<Microfacets, Fault> {
