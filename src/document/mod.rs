@@ -12,6 +12,7 @@ mod light;
 mod material;
 mod node;
 mod pose;
+mod preset;
 mod shape;
 mod texture;
 
@@ -21,6 +22,7 @@ pub use light::{AreaShape, Environment, Falloff, Light, LightKind, Presence, Spo
 pub use material::{Base, Distribution, Film, Material, Microfacets, SurfaceEmission, THICKEST_NM, Thickness, Tint};
 pub use node::{Binding, Item, Node, Transform, TransformKind};
 pub use pose::{Changes, PoseError};
+pub use preset::{Knob, Preset};
 pub use shape::{Geometry, Group, Mesh, Shape, UvSet};
 pub use texture::{Channel4, Encoding, Image, ImageSource, Map, NormalMap, Scalar, Texture, Wrap};
 

@@ -1,4 +1,4 @@
-//! The four bases: `<diffuse>`, `<conductor>`, `<dielectric>`, `<emitter>`.
+//! The bases: `<diffuse>`, `<conductor>`, `<dielectric>`, `<emitter>`, and `<preset>`, which brings films along.
 
 use glam::Vec3;
 
@@ -6,7 +6,7 @@ use crate::collada::error::Fault;
 use crate::collada::loader::Loader;
 use crate::collada::xml::Element;
 use crate::color::{Index, Kind};
-use crate::document::{Base, Distribution, Encoding, Material, Microfacets, Scalar, SurfaceEmission, Texture};
+use crate::document::{Base, Distribution, Encoding, Film, Material, Microfacets, Scalar, SurfaceEmission, Texture};
 
 use super::film;
 use super::index::{self, named};
@@ -14,7 +14,7 @@ use super::maps;
 use super::spectrum;
 use super::strict::{Bounds, Strict, at_most_one, only_children};
 
-const BASES: [&str; 4] = ["diffuse", "conductor", "dielectric", "emitter"];
+const BASES: [&str; 5] = ["diffuse", "conductor", "dielectric", "emitter", "preset"];
 
 /// Children that a base with a surface may have.
 const SURFACE_CHILDREN: [&str; 3] = ["film", "map", "normal_map"];
@@ -24,7 +24,7 @@ pub fn read<'a>(loader: &mut Loader<'a>, technique: Element<'a>, user: &str) -> 
     only_children(technique, &BASES)?;
     let Some(base) = at_most_one(technique, &BASES)? else {
         let fault = technique.fault("this technique holds no base");
-        return Err(fault.hint("one of <diffuse>, <conductor>, <dielectric>, <emitter>"));
+        return Err(fault.hint("one of <diffuse>, <conductor>, <dielectric>, <emitter>, <preset>"));
     };
     let mut material = Material::default();
     if base.name() == "emitter" {
@@ -32,13 +32,16 @@ pub fn read<'a>(loader: &mut Loader<'a>, technique: Element<'a>, user: &str) -> 
         material.emission = Some(emitter(base)?);
         return Ok(material);
     }
-    material.films = film::stack(loader, base, user)?;
+    if base.name() != "preset" {
+        material.films = film::stack(loader, base, user)?;
+    }
     if let Some(element) = at_most_one(base, &["normal_map"])? {
         material.normal_map = Some(maps::normal_map(loader, element, user)?);
     }
     material.base = match base.name() {
         "diffuse" => diffuse(loader, base, user)?,
         "conductor" => conductor(loader, base, user)?,
+        "preset" => preset(loader, base, user, &mut material.films)?,
         _ => dielectric(loader, base, user)?,
     };
     Ok(material)
@@ -87,6 +90,21 @@ fn dielectric<'a>(loader: &mut Loader<'a>, element: Element<'a>, user: &str) -> 
     let priority = strict.whole("priority", 0, u32::from(u8::MAX))?.map(|priority| priority as u8);
     strict.finish(&SURFACE_CHILDREN)?;
     Ok(Base::Dielectric { index, microfacets, absorption_per_m, fresnel: true, priority })
+}
+
+/// A named surface, with its films.
+fn preset<'a>(loader: &mut Loader<'a>, element: Element<'a>, user: &str, films: &mut Vec<Film>) -> Result<Base, Fault> {
+    let mut strict = Strict::new(element);
+    let named = film::preset(&mut strict, "name")?;
+    let named = strict.required("name", named)?;
+    *films = film::of_preset(loader, &mut strict, named, user)?;
+    let mut base = named.base();
+    if let Base::Conductor { microfacets: own, .. } | Base::Dielectric { microfacets: own, .. } = &mut base {
+        *own = microfacets(loader, &mut strict, user)?;
+    }
+    let children: Vec<&str> = film::VARYING.into_iter().chain(["normal_map"]).collect();
+    strict.finish(&children)?;
+    Ok(base)
 }
 
 fn microfacets<'a>(loader: &mut Loader<'a>, strict: &mut Strict<'a>, user: &str) -> Result<Microfacets, Fault> {
