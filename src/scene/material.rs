@@ -150,7 +150,7 @@ impl<M: Mode> Material<M> {
     #[inline]
     pub fn bsdf<'s>(&'s self, surface: &Surface, textures: &[Arc<Texture>], waves: &M::Waves) -> Bsdf<'s, M> {
         let rgb = |texture: &document::Texture| match &texture.map {
-            Some(map) => texture.value * lookup_rgb(textures, map, surface.uv),
+            Some(map) => texture.value * lookup_rgb(textures, map, &surface.uv),
             None => texture.value,
         };
         let microfacets = |distribution: &Distribution, roughness: &Scalar| Microfacets {
@@ -236,7 +236,7 @@ impl<M: Mode> Material<M> {
 fn bent(normal_map: &NormalMap, surface: &Surface, textures: &[Arc<Texture>]) -> Vec3 {
     let normal = surface.normal;
     let Some(tangent) = (surface.dpdu - normal * normal.dot(surface.dpdu)).try_normalize() else { return normal };
-    let texel = lookup_rgb(textures, &normal_map.map, surface.uv) * 2.0 - 1.0;
+    let texel = lookup_rgb(textures, &normal_map.map, &surface.uv) * 2.0 - 1.0;
     let bent = tangent * (texel.x * normal_map.scale)
         + normal.cross(tangent) * (texel.y * normal_map.scale)
         + normal * texel.z.max(1e-3);
@@ -251,7 +251,7 @@ fn constant_alpha(microfacets: &document::Microfacets) -> Option<f32> {
 #[inline]
 fn scalar(value: &Scalar, surface: &Surface, textures: &[Arc<Texture>]) -> f32 {
     match &value.map {
-        Some(map) => lookup_scalar(textures, map, surface.uv),
+        Some(map) => value.range[0] + (value.range[1] - value.range[0]) * lookup_scalar(textures, map, &surface.uv),
         None => value.value,
     }
 }

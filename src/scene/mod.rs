@@ -186,7 +186,7 @@ impl<M: Mode> Scene<M> {
         match &self.stage.glows[surface.material as usize] {
             Some(glow) if cos > 0.0 || glow.two_sided => {
                 let tint = match &glow.radiance.map {
-                    Some(map) => lookup_rgb(&self.stage.textures, map, surface.uv),
+                    Some(map) => lookup_rgb(&self.stage.textures, map, &surface.uv),
                     None => Vec3::ONE,
                 };
                 self.light(&Source { rgb: glow.radiance.value * tint, spectrum: glow.spectrum }, waves)

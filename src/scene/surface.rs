@@ -58,11 +58,13 @@ pub struct Part {
     /// Emitter number of the part's first triangle (`first`), the others follow; `u32::MAX` when it does not shine.
     pub first: u32,
     pub emitter: u32,
-    /// Index into [`Shading::uv_sets`] for the material's maps; [`NO_MAPS`] when it has none.
-    pub uv_set: u32,
+    /// Indices into [`Shading::uv_sets`] by the slots of the material's maps; [`NO_MAPS`] where a slot is empty.
+    pub uv_sets: [u32; UV_SLOTS],
 }
 
-/// The `uv_set` of a part that needs no texture coordinates.
+/// Texture coordinates that the maps of one material can have between them.
+pub const UV_SLOTS: usize = 3;
+/// The `uv_set` of a slot that no map uses.
 pub const NO_MAPS: u32 = u32::MAX;
 
 /// Vertex data that only shading reads.
@@ -81,9 +83,9 @@ pub struct Surface<'s> {
     pub ng: Vec3,
     /// Shading normal, unit length: the geometric one, or interpolated between vertices.
     pub normal: Vec3,
-    /// Zero where the material has no maps.
-    pub uv: Vec2,
-    /// dP/du, for tangent-space normals; zero where texture coordinates do not define it.
+    /// By the slots of the material's maps; zero where it has none.
+    pub uv: [Vec2; UV_SLOTS],
+    /// dP/du of the first slot, for tangent-space normals; zero where texture coordinates do not define it.
     pub dpdu: Vec3,
     pub place: &'s Place,
     pub material: u32,
@@ -136,13 +138,14 @@ impl<'s> Surface<'s> {
             // Normals that cancel out say nothing.
             normal = (place.normal_to_world * blend).try_normalize().unwrap_or(ng);
         }
-        let (mut uv, mut dpdu) = (Vec2::ZERO, Vec3::ZERO);
-        if let Some(uvs) = shading.uv_sets.get(part.uv_set as usize) {
+        let (mut uv, mut dpdu) = ([Vec2::ZERO; UV_SLOTS], Vec3::ZERO);
+        for (slot, &set) in part.uv_sets.iter().enumerate() {
+            let Some(uvs) = shading.uv_sets.get(set as usize) else { break };
             let (t0, t1, t2) = (uvs[i0], uvs[i1], uvs[i2]);
-            uv = t0 * w0 + t1 * w1 + t2 * w2;
+            uv[slot] = t0 * w0 + t1 * w1 + t2 * w2;
             let (d1, d2) = (t1 - t0, t2 - t0);
             let determinant = d1.perp_dot(d2);
-            if determinant != 0.0 {
+            if slot == 0 && determinant != 0.0 {
                 let object = ((p1 - p0) * d2.y - (p2 - p0) * d1.y) / determinant;
                 dpdu = place.to_world.transform_vector3(object);
             }
@@ -166,7 +169,7 @@ impl<'s> Surface<'s> {
         let position = place.to_world.transform_point3(center + hit.ng);
         let ng = (place.normal_to_world * hit.ng).normalize();
         let mut uv = Vec2::ZERO;
-        if part.uv_set != NO_MAPS {
+        if part.uv_sets[0] != NO_MAPS {
             let local = (place.to_object.transform_vector3(ng)).normalize();
             uv = Vec2::new(0.5 + local.z.atan2(local.x) / TAU, 0.5 + local.y.clamp(-1.0, 1.0).asin() / PI);
         }
@@ -174,7 +177,7 @@ impl<'s> Surface<'s> {
             position,
             ng,
             normal: ng,
-            uv,
+            uv: [uv; UV_SLOTS],
             dpdu: Vec3::new(-ng.z, 0.0, ng.x),
             place,
             material: part.material,

@@ -4,7 +4,7 @@ use crate::collada::error::Fault;
 use crate::collada::loader::Loader;
 use crate::collada::xml::Element;
 use crate::color::{Index, Kind};
-use crate::document::{Channel4, Film, Knob, Preset, THICKEST_NM, Thickness};
+use crate::document::{Film, Knob, Preset, THICKEST_NM, Thickness};
 
 use super::index::{named, names};
 use super::maps;
@@ -168,8 +168,7 @@ fn map<'a>(loader: &mut Loader<'a>, element: Element<'a>, user: &str) -> Result<
     let min_nm = strict.required("min_nm", min_nm)?;
     let max_nm = thickness_nm(&mut strict, "max_nm")?;
     let max_nm = strict.required("max_nm", max_nm)?;
-    let channels = [("r", Channel4::R), ("g", Channel4::G), ("b", Channel4::B), ("a", Channel4::A)];
-    map.channel = strict.choice("channel", &channels)?.unwrap_or_default();
+    map.channel = maps::channel(&mut strict)?.unwrap_or_default();
     strict.finish(&[])?;
     Ok(Thickness::Map { min_nm, max_nm, map })
 }

@@ -17,7 +17,7 @@ use super::strict::{Bounds, Strict, at_most_one, only_children};
 const BASES: [&str; 5] = ["diffuse", "conductor", "dielectric", "emitter", "preset"];
 
 /// Children that a base with a surface may have.
-const SURFACE_CHILDREN: [&str; 3] = ["film", "map", "normal_map"];
+const SURFACE_CHILDREN: [&str; 4] = ["film", "map", "normal_map", "opacity"];
 
 /// Reads the technique of an effect. `user` names the material for messages.
 pub fn read<'a>(loader: &mut Loader<'a>, technique: Element<'a>, user: &str) -> Result<Material, Fault> {
@@ -37,6 +37,9 @@ pub fn read<'a>(loader: &mut Loader<'a>, technique: Element<'a>, user: &str) -> 
     }
     if let Some(element) = at_most_one(base, &["normal_map"])? {
         material.normal_map = Some(maps::normal_map(loader, element, user)?);
+    }
+    if let Some(element) = at_most_one(base, &["opacity"])? {
+        material.opacity = maps::opacity(loader, element, user)?;
     }
     material.base = match base.name() {
         "diffuse" => diffuse(loader, base, user)?,
@@ -102,7 +105,7 @@ fn preset<'a>(loader: &mut Loader<'a>, element: Element<'a>, user: &str, films: 
     if let Base::Conductor { microfacets: own, .. } | Base::Dielectric { microfacets: own, .. } = &mut base {
         *own = microfacets(loader, &mut strict, user)?;
     }
-    let children: Vec<&str> = film::VARYING.into_iter().chain(["normal_map"]).collect();
+    let children: Vec<&str> = film::VARYING.into_iter().chain(["normal_map", "opacity"]).collect();
     strict.finish(&children)?;
     Ok(base)
 }
@@ -112,5 +115,5 @@ fn microfacets<'a>(loader: &mut Loader<'a>, strict: &mut Strict<'a>, user: &str)
     let words = [("ggx", Distribution::Ggx), ("beckmann", Distribution::Beckmann)];
     let distribution = strict.choice("distribution", &words)?.unwrap_or_default();
     let map = maps::base_map(loader, strict.element, "roughness", Encoding::Linear, user)?;
-    Ok(Microfacets { distribution, roughness: Scalar { value, map } })
+    Ok(Microfacets { distribution, roughness: Scalar::mapped(value, map) })
 }
