@@ -16,6 +16,8 @@ mod batches;
 mod encode;
 #[path = "cli/faults.rs"]
 mod faults;
+#[path = "cli/instances.rs"]
+mod instances;
 #[path = "cli/merge.rs"]
 mod merge;
 #[path = "cli/signals.rs"]

@@ -9,14 +9,14 @@ use crate::document::{Document, Shape};
 use crate::error::Error;
 use crate::film::Verdict;
 use crate::mode::Mode;
-use crate::output::{self, Format, HeaderValue, Layer, LayerKind, Picture, PngDepth, Written};
+use crate::output::{self, Crop, Format, HeaderValue, Layer, LayerKind, Picture, PngDepth, Written};
 use crate::render::{self, Accumulation, Frame, Plan, Watch};
-use crate::scene::{BuildError, Camera, FilmOptions, Framing, Placed, Scene, Stage};
+use crate::scene::{BuildError, Camera, FilmOptions, Framing, Placed, Raster, Scene, Stage, Window};
 
 /// What is to be made, with every default filled in.
 #[derive(Clone, Debug)]
 pub struct StillPlan {
-    pub size: [Option<u32>; 2],
+    pub raster: Raster,
     /// Camera or node id; `None`: the first.
     pub camera: Option<String>,
     pub framing: Framing,
@@ -63,8 +63,9 @@ pub fn movable_stage(
 ) -> Result<(Stage, Camera, Placed, Vec<String>), Error> {
     let stage = Stage::movable(document, plan.render.threads, moving).map_err(|source| built(document, source))?;
     let (camera, placed) =
-        Camera::new(document, plan.camera.as_deref(), plan.size, plan.framing, stage.bounds).map_err(Error::Usage)?;
-    render::check_memory(camera.size, plan.max_memory.unwrap_or_else(render::available_memory))?;
+        Camera::new(document, plan.camera.as_deref(), plan.raster, plan.framing, stage.bounds).map_err(Error::Usage)?;
+    let Window { width, height, .. } = camera.window();
+    render::check_memory([width, height], plan.max_memory.unwrap_or_else(render::available_memory))?;
     let mut notes = Vec::new();
     match placed {
         Placed::AsWritten => {}
@@ -101,9 +102,13 @@ impl<M: Mode> Prepared<M> {
     /// The opening line of a render.
     pub fn summary(&self, document: &Document, plan: &StillPlan) -> String {
         let [width, height] = self.camera.size;
+        let crop = match self.camera.crop {
+            Some(Window { x, y, width, height }) => format!(" (of which {width}x{height} at {x},{y})"),
+            None => String::new(),
+        };
         let biased = biased(&plan.render).map(|how| format!(", biased: {how}")).unwrap_or_default();
         format!(
-            "{}: {} triangles, {} materials, {} emitters; {width}x{height}, {} spp, {} bounces{biased}",
+            "{}: {} triangles, {} materials, {} emitters; {width}x{height}{crop}, {} spp, {} bounces{biased}",
             document.path.display(),
             triangles(document),
             document.materials.len(),
@@ -176,6 +181,9 @@ impl<M: Mode> Prepared<M> {
             ("pellicle/seed".to_owned(), HeaderValue::Int(plan.render.seed as i32)),
             ("pellicle/films".to_owned(), text(&serde_json::to_string(&self.films()).unwrap_or_default())),
         ];
+        if self.camera.pixel_aspect != 1.0 {
+            header.push((output::PIXEL_ASPECT.to_owned(), HeaderValue::Float(self.camera.pixel_aspect)));
+        }
         if let Some(how) = biased(&plan.render) {
             header.push(("pellicle/biased".to_owned(), text(&how)));
         }
@@ -200,7 +208,10 @@ pub fn picture(frame: &Frame, aovs: &[Aov], mut header: Vec<(String, HeaderValue
     ]);
     let rgba = frame.rgb.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect();
     let layers = aovs.iter().flat_map(|aov| aov.layers(frame)).collect();
-    Picture { width: frame.width, height: frame.height, crop: None, rgba, layers, header }
+    let Frame { width, height, size: [full_width, full_height], window, .. } = *frame;
+    let is_part = window != Window::whole(frame.size);
+    let crop = is_part.then_some(Crop { x: window.x, y: window.y, full_width, full_height });
+    Picture { width, height, crop, rgba, layers, header }
 }
 
 /// How pictures are written.

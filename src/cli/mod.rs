@@ -9,6 +9,7 @@ mod encode;
 mod film;
 mod merge;
 mod progress;
+mod raster_args;
 mod render;
 mod sampling;
 mod scene_args;

@@ -122,11 +122,14 @@ impl Document {
         if placed.iter().all(|(_, to_world)| to_world.w_axis.truncate() == Vec3::ZERO) {
             return None;
         }
+        // Once for each geometry: a mesh may be placed very often.
+        let bounds: Vec<Option<(Vec3, Vec3)>> =
+            self.geometries.iter().map(|geometry| geometry.shape.bounds()).collect();
         let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         for (node, to_world) in &placed {
             for item in &self.nodes[*node].items {
                 let Item::Geometry { geometry, .. } = item else { continue };
-                let Some((least, most)) = self.geometries[*geometry].shape.bounds() else { continue };
+                let Some((least, most)) = bounds[*geometry] else { continue };
                 for corner in 0..8 {
                     let pick = |axis: usize| if corner >> axis & 1 == 1 { most[axis] } else { least[axis] };
                     let point = to_world.transform_point3(Vec3::new(pick(0), pick(1), pick(2)));

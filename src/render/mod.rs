@@ -90,7 +90,7 @@ pub fn render<M: Mode>(
     plan: &Plan,
     watch: &dyn Watch,
 ) -> Result<Frame, RenderError> {
-    let mut sums = Accumulation::new(camera.size, 0..plan.spp);
+    let mut sums = Accumulation::cropped(camera.size, camera.window(), 0..plan.spp);
     accumulate(scene, camera, plan, &mut sums, watch)?;
     Ok(sums.into_frame())
 }

@@ -231,8 +231,16 @@ impl<'a> Assembly<'a> {
         parts: Vec<Part>,
     ) {
         let mut place = Place::new(shape, Body::Mesh(shading), parts, to_world, object_to_world);
-        place.height_m = heights(mesh, &object_to_world);
+        if self.drains(&place.parts) {
+            place.height_m = heights(mesh, &object_to_world);
+        }
         self.add_place(place, Some(mesh), &object_to_world);
+    }
+
+    /// True where a film drains: only then it matters how high a place reaches, which takes a look at each vertex.
+    fn drains(&self, parts: &[Part]) -> bool {
+        let drains = |film: &document::Film| matches!(film.thickness, document::Thickness::Drain { .. });
+        parts.iter().any(|part| self.materials[part.material as usize].films.iter().any(drains))
     }
 
     /// Adds a place with the emitters of its shining parts.
@@ -264,7 +272,7 @@ impl<'a> Assembly<'a> {
         if self.mobile && (built.stale || place.to_world != to_world || place.to_object != object_to_world.inverse()) {
             built.moves.push((number, to_world));
             place.stand(to_world, object_to_world);
-            if let Some(mesh) = mesh {
+            if let Some(mesh) = mesh.filter(|_| self.drains(&place.parts)) {
                 place.height_m = heights(mesh, &object_to_world);
             }
         }
