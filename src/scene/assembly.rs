@@ -111,6 +111,7 @@ impl<'a> Assembly<'a> {
             radiance: emission.radiance.clone(),
             spectrum: self.spectrum(&emission.spectrum),
             two_sided: emission.two_sided,
+            opacity: material.opacity.clone(),
         });
         self.glows.push(glow);
         self.materials.push(material);

@@ -136,6 +136,10 @@ fn place_area(
         ..document::Material::default()
     };
     let material = assembly.add_material(description);
+    if let Some(glow) = &mut assembly.glows[material as usize] {
+        // A ghost stands in nothing's way, but all of it shines.
+        glow.opacity = document::Scalar::constant(1.0);
+    }
     let to_world = placed.to_world;
     if shape == AreaShape::Sphere {
         let radius = 0.5 * to_world.matrix3.x_axis.length();

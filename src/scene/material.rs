@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::surface::Surface;
-use super::texture::{Texture, lookup_rgb, lookup_scalar};
+use super::texture::{Texture, lookup_rgb, scalar};
 use super::{BuildError, FilmOptions};
 use crate::bsdf::{
     Bsdf, Coat, CoatedDiffuse, Conductor, Dielectric, Diffuse, Interface, Microfacets, Missing, Multiple, is_straight,
@@ -246,14 +246,6 @@ fn bent(normal_map: &NormalMap, surface: &Surface, textures: &[Arc<Texture>]) ->
 /// The roughness where no image varies it.
 fn constant_alpha(microfacets: &document::Microfacets) -> Option<f32> {
     microfacets.roughness.map.is_none().then_some(microfacets.roughness.value.clamp(0.0, 1.0))
-}
-
-#[inline]
-fn scalar(value: &Scalar, surface: &Surface, textures: &[Arc<Texture>]) -> f32 {
-    match &value.map {
-        Some(map) => value.range[0] + (value.range[1] - value.range[0]) * lookup_scalar(textures, map, &surface.uv),
-        None => value.value,
-    }
 }
 
 fn curve_of(material: &document::Material, index: &Index) -> Result<IndexCurve, BuildError> {

@@ -30,7 +30,7 @@ pub use nesting::{Interior, Met};
 pub use raster::{Raster, Window};
 pub use stage::{Pose, Stage};
 pub use surface::{Place, Surface};
-use texture::{Texture, lookup_rgb};
+use texture::{Texture, lookup_rgb, scalar};
 use thiserror::Error;
 
 use crate::color::IndexError;
@@ -187,10 +187,12 @@ impl<M: Mode> Scene<M> {
     pub fn emitted(&self, surface: &Surface, cos: f32, waves: &M::Waves) -> M::Light {
         match &self.stage.glows[surface.material as usize] {
             Some(glow) if cos > 0.0 || glow.two_sided => {
+                let textures = &self.stage.textures;
                 let tint = match &glow.radiance.map {
-                    Some(map) => lookup_rgb(&self.stage.textures, map, &surface.uv),
+                    Some(map) => lookup_rgb(textures, map, &surface.uv),
                     None => Vec3::ONE,
                 };
+                let tint = tint * scalar(&glow.opacity, surface, textures).clamp(0.0, 1.0);
                 self.light(&Source { rgb: glow.radiance.value * tint, spectrum: glow.spectrum }, waves)
             }
             _ => M::Light::ZERO,
@@ -209,7 +211,7 @@ impl<M: Mode> Scene<M> {
             LightAt::Radiance(ref source) => self.light(source, waves),
             LightAt::Surface { place, material, prim, barycentric, cos } => {
                 match &self.stage.glows[material as usize] {
-                    Some(glow) if glow.radiance.map.is_some() => {
+                    Some(glow) if !glow.is_even() => {
                         let place = &self.stage.places[place as usize];
                         self.emitted(&Surface::at(&self.stage.accel, place, prim, barycentric), cos, waves)
                     }

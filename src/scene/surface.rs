@@ -41,12 +41,19 @@ pub struct Glow {
     /// Index into the scene's spectra.
     pub spectrum: u32,
     pub two_sided: bool,
+    /// Share of the surface that is there: holes do not shine.
+    pub opacity: document::Scalar,
 }
 
 impl Glow {
     /// Rough mean radiance, for choosing between lights.
     pub fn strength(&self) -> f32 {
         self.radiance.value.element_sum() / 3.0
+    }
+
+    /// True where all of the surface shines alike.
+    pub fn is_even(&self) -> bool {
+        self.radiance.map.is_none() && self.opacity.map.is_none() && self.opacity.value >= 1.0
     }
 }
 

@@ -6,9 +6,9 @@ use glam::{Vec2, Vec3, Vec4};
 use image::DynamicImage;
 
 use super::BuildError;
-use super::surface::UV_SLOTS;
+use super::surface::{Surface, UV_SLOTS};
 use crate::color::view;
-use crate::document::{Channel4, Encoding, Image, ImageSource, Map, Wrap};
+use crate::document::{Channel4, Encoding, Image, ImageSource, Map, Scalar, Wrap};
 
 /// A decoded image. Row 0 is the top.
 pub struct Texture {
@@ -196,6 +196,15 @@ pub fn lookup_scalar(textures: &[Arc<Texture>], map: &Map, uv: &[Vec2; UV_SLOTS]
         Channel4::B => texel.z,
         Channel4::A => texel.w,
         Channel4::Luminance => texel.truncate().dot(Vec3::new(0.2126, 0.7152, 0.0722)),
+    }
+}
+
+/// A number that may vary over a surface.
+#[inline]
+pub fn scalar(value: &Scalar, surface: &Surface, textures: &[Arc<Texture>]) -> f32 {
+    match &value.map {
+        Some(map) => value.range[0] + (value.range[1] - value.range[0]) * lookup_scalar(textures, map, &surface.uv),
+        None => value.value,
     }
 }
 
