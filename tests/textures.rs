@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::io::Cursor;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use glam::{Mat4, Vec2, Vec3};
 use image::{DynamicImage, ImageFormat};
@@ -123,7 +123,7 @@ fn common(shader: &str) -> String {
 }
 
 /// Light from each quarter of the screen: upper left, upper right, lower left, lower right.
-fn quarters(file: &PathBuf) -> [f32; 4] {
+fn quarters(file: &Path) -> [f32; 4] {
     let (document, _) = load(file, &LoadOptions::default()).unwrap();
     let limits = PathLimits { max_bounces: 4, strategy: Strategy::Bsdf };
     let frame = Builder(document).render_in::<Rgb>(4, 64, limits, 1);

@@ -23,8 +23,7 @@ impl Accel {
         if !(self.built & ray.is_finite()) {
             return;
         }
-        let mut context = RTCRayQueryContext::default();
-        context.instID = [INVALID_ID; LEVELS];
+        let context = RTCRayQueryContext { instID: [INVALID_ID; LEVELS], ..RTCRayQueryContext::default() };
         let mut noting = Noting { context, found: &mut found };
         let mut arguments = RTCIntersectArguments {
             flags: ASK_FOR_EACH_HIT,

@@ -9,7 +9,7 @@ use crate::bsdf::Pdf;
 use crate::embree::Ray;
 use crate::math::Sampler;
 use crate::mode::{Lanes, Mode};
-use crate::scene::{Interior, Material, Met, Scene, Surface};
+use crate::scene::{Interior, Material, Scene, Surface};
 
 /// Surfaces that one path may pass straight through.
 const MAX_THROUGH: u32 = 256;
@@ -86,7 +86,7 @@ impl<M: Mode> Path<M> {
         limits: &PathLimits,
     ) -> Arrival<'s, M> {
         let blind = std::mem::take(&mut self.blind);
-        let Some(surface) = met else {
+        let Some(mut surface) = met else {
             if blind {
                 return Arrival::End;
             }
@@ -116,7 +116,7 @@ impl<M: Mode> Path<M> {
 
         // Pass through holes, and through what another body takes the place of.
         self.u_surface = self.sampler.next_4d();
-        let Met { surface, material, beyond } = scene.meet(&self.ray, surface, &self.interior);
+        let (material, beyond) = scene.meet(&self.ray, &mut surface, &self.interior);
         let coverage = material.map_or(0.0, |material| material.coverage(&surface, scene.textures()));
         match material {
             Some(material) if self.u_surface[3] < coverage || self.passed >= MAX_THROUGH => {

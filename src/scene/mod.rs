@@ -25,8 +25,8 @@ use glam::Vec3;
 use light::Source;
 pub use light::{LightAt, LightSample, Lights};
 pub use material::Material;
+pub use nesting::Interior;
 use nesting::Nesting;
-pub use nesting::{Interior, Met};
 pub use raster::{Raster, Window};
 pub use stage::{Pose, Stage};
 pub use surface::{Place, Surface};
@@ -156,21 +156,26 @@ impl<M: Mode> Scene<M> {
         &self.materials[surface.material as usize]
     }
 
-    /// What a ray that travels in `interior` finds at the first surface that it meets.
+    /// The material that a ray travelling in `interior` finds at the first surface that it meets, and what lies beyond. Of
+    /// several surfaces in the same place, `surface` becomes the one that counts. `None` inside a body that takes the
+    /// surface's place: light goes on as if nothing were there.
     #[inline]
-    pub fn meet<'s>(&'s self, ray: &Ray, surface: Surface<'s>, interior: &Interior) -> Met<'s, M> {
-        match &self.nesting {
-            Some(nesting) => nesting.meet(self, ray, surface, interior),
-            None => {
-                let material = self.material(&surface);
-                let beyond = match material.absorption_per_m() {
-                    Some(inside) if ray.dir.dot(surface.ng) < 0.0 => Interior::of(inside),
-                    Some(_) => Interior::AIR,
-                    None => *interior,
-                };
-                Met { surface, material: Some(material), beyond }
-            }
+    pub fn meet<'s>(
+        &'s self,
+        ray: &Ray,
+        surface: &mut Surface<'s>,
+        interior: &Interior,
+    ) -> (Option<&'s Material<M>>, Interior) {
+        if let Some(nesting) = &self.nesting {
+            return nesting.meet(self, ray, surface, interior);
         }
+        let material = self.material(surface);
+        let beyond = match material.absorption_per_m() {
+            None => *interior,
+            Some(inside) if ray.dir.dot(surface.ng) < 0.0 => Interior::of(inside),
+            Some(_) => Interior::AIR,
+        };
+        (Some(material), beyond)
     }
 
     /// What surrounds a point.
@@ -247,8 +252,8 @@ impl<M: Mode> Scene<M> {
                     light *= Self::left_over(&interior, distance_m, waves);
                 }
             }
-            let Some(surface) = surface else { return (light, probability) };
-            let Met { surface, material, beyond } = self.meet(&ray, surface, &interior);
+            let Some(mut surface) = surface else { return (light, probability) };
+            let (material, beyond) = self.meet(&ray, &mut surface, &interior);
             if let Some(material) = material {
                 let Some((share, chance)) = self.through(material, &surface, -ray.dir, waves) else { break };
                 light *= share;

@@ -34,15 +34,6 @@ pub struct Interior {
     ranks: [u8; DEPTH],
 }
 
-/// A ray at a surface.
-pub struct Met<'s, M: Mode> {
-    pub surface: Surface<'s>,
-    /// `None` inside a body that takes the surface's place: light goes on as if nothing were there.
-    pub material: Option<&'s Material<M>>,
-    /// On the far side.
-    pub beyond: Interior,
-}
-
 /// The media of a scene and their interfaces.
 pub(super) struct Nesting<M: Mode> {
     /// Rank of each material; 0: not a medium.
@@ -125,22 +116,29 @@ impl<M: Mode> Nesting<M> {
         self.absorption_per_m[usize::from(interior.top())]
     }
 
-    /// What a ray from `interior` finds at the first surface that it meets.
-    pub fn meet<'s>(&'s self, scene: &'s Scene<M>, ray: &Ray, surface: Surface<'s>, interior: &Interior) -> Met<'s, M> {
+    /// As [`Scene::meet`].
+    #[cold]
+    pub fn meet<'s>(
+        &'s self,
+        scene: &'s Scene<M>,
+        ray: &Ray,
+        surface: &mut Surface<'s>,
+        interior: &Interior,
+    ) -> (Option<&'s Material<M>>, Interior) {
         let enters = |surface: &Surface| ray.dir.dot(surface.ng) < 0.0;
         let rank_of = |surface: &Surface| self.ranks[surface.material as usize];
-        if rank_of(&surface) == 0 {
-            let material = scene.material(&surface);
+        if rank_of(surface) == 0 {
+            let material = scene.material(surface);
             let absorption_per_m = match material.absorption_per_m() {
-                Some(inside) if enters(&surface) => inside,
+                Some(inside) if enters(surface) => inside,
                 Some(_) => self.absorption_in(interior),
                 None => interior.absorption_per_m,
             };
-            return Met { surface, material: Some(material), beyond: Interior { absorption_per_m, ..*interior } };
+            return (Some(material), Interior { absorption_per_m, ..*interior });
         }
 
         // Cross everything that lies here at once; who leaves a body was in it, whatever the list says.
-        let here = scene.stage.together(ray, surface, TOGETHER);
+        let here = scene.stage.together(ray, *surface, TOGETHER);
         let (mut before, mut beyond) = (*interior, *interior);
         for rank in here.iter().filter(|surface| enters(surface)).map(rank_of).filter(|&rank| rank > 0) {
             beyond.enter(rank);
@@ -156,18 +154,20 @@ impl<M: Mode> Nesting<M> {
         // The higher of the two media has the interface.
         let [low, high] =
             if before.top() < beyond.top() { [before, beyond] } else { [beyond, before] }.map(|i| i.top());
-        let Some(surface) = here.iter().find(|surface| rank_of(surface) == high).filter(|_| low < high) else {
-            return Met { surface: here[0], material: None, beyond };
+        let Some(counts) = here.iter().find(|surface| rank_of(surface) == high).filter(|_| low < high) else {
+            *surface = here[0];
+            return (None, beyond);
         };
+        *surface = *counts;
         let material = if low == 0 { scene.material(surface) } else { self.interface(high, low) };
-        Met { surface: *surface, material: Some(material), beyond }
+        (Some(material), beyond)
     }
 
     /// The bodies around a point: on the way out, each is left once more often than entered.
     pub fn around(&self, stage: &Stage, point: Vec3) -> Interior {
         // A ray may meet an edge twice: of three, two agree.
         let ways = [Vec3::new(0.36, 0.85, 0.39), Vec3::new(-0.67, 0.23, 0.71), Vec3::new(0.19, -0.41, -0.89)];
-        let counts = ways.map(|way| {
+        let [one, other, third] = ways.map(|way| {
             let mut counts = vec![0i32; self.absorption_per_m.len()];
             stage.each_surface(&Ray::new(point, way), |surface| {
                 let leaves = way.dot(surface.ng) > 0.0;
@@ -176,8 +176,8 @@ impl<M: Mode> Nesting<M> {
             counts
         });
         let mut interior = Interior::AIR;
-        for rank in 1..self.absorption_per_m.len() {
-            let mut votes = [0, 1, 2].map(|way: usize| counts[way][rank]);
+        for (rank, ((&one, &other), &third)) in one.iter().zip(&other).zip(&third).enumerate().skip(1) {
+            let mut votes = [one, other, third];
             votes.sort_unstable();
             (0..votes[1]).for_each(|_| interior.enter(rank as u8));
         }

@@ -1,5 +1,6 @@
 //! Many instances: memory goes by meshes, and nested ones are the same picture.
 
+use std::f32::consts::{PI, TAU};
 use std::fmt::Write;
 use std::fs;
 
@@ -11,7 +12,7 @@ fn scene(groups: usize, each: usize, nested: bool) -> String {
     let mut points = String::new();
     for j in 0..=rings {
         for i in 0..columns {
-            let (a, b) = (j as f32 / rings as f32 * 3.141_592_7, i as f32 / columns as f32 * 6.283_185_5);
+            let (a, b) = (j as f32 / rings as f32 * PI, i as f32 / columns as f32 * TAU);
             let _ = write!(points, "{} {} {} ", a.sin() * b.cos(), -a.cos(), a.sin() * b.sin());
         }
     }
