@@ -12,6 +12,8 @@ use pellicle::output::{is_complete, read_exr};
 mod animate;
 #[path = "cli/batches.rs"]
 mod batches;
+#[path = "cli/crop.rs"]
+mod crop;
 #[path = "cli/encode.rs"]
 mod encode;
 #[path = "cli/faults.rs"]
