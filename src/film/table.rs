@@ -122,6 +122,8 @@ impl Table {
         match &self.form {
             // Nothing travels inside a metal.
             Form::Lossless { opaque: true, .. } | Form::OneSided(_) => TOTAL,
+            // Between equal media the cosine is its own conjugate.
+            Form::Lossless { grid, .. } if self.ratio == 1.0 => lossless(grid, mu, place),
             Form::Lossless { .. } if square <= 0.0 => TOTAL,
             Form::Lossless { grid, .. } => lossless(grid, square.sqrt(), place),
             Form::TwoSided { beyond, .. } if square <= 0.0 => {
