@@ -16,12 +16,16 @@ mod batches;
 mod encode;
 #[path = "cli/faults.rs"]
 mod faults;
+#[path = "cli/live.rs"]
+mod live;
 #[path = "cli/merge.rs"]
 mod merge;
 #[path = "cli/signals.rs"]
 mod signals;
 #[path = "cli/slurm.rs"]
 mod slurm;
+#[path = "cli/stops.rs"]
+mod stops;
 #[path = "cli/turntable.rs"]
 mod turntable;
 

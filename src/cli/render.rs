@@ -6,13 +6,16 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use clap::{Args, ValueEnum};
-use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::consts::SIGINT;
 
 use super::progress::{Progress, ProgressArg};
 use super::sampling::{SamplingArgs, Target};
 use super::scene_args::{FramingArg, SceneArgs};
+use super::stops::{DisplayArgs, PreviewArgs, StopArgs, signals};
 use super::{print, say};
+use crate::batch::budget::Limited;
 use crate::batch::checkpoint::Saver;
+use crate::batch::live::{Live, Shows};
 use crate::batch::still::{self, Aov, Look, StillPlan};
 use crate::batch::{Transport, choose_mode};
 use crate::collada::Warning;
@@ -44,6 +47,12 @@ pub struct RenderArgs {
     pub(super) picture: PictureArgs,
     #[command(flatten)]
     sampling: SamplingArgs,
+    #[command(flatten)]
+    stops: StopArgs,
+    #[command(flatten)]
+    display: DisplayArgs,
+    #[command(flatten)]
+    preview: PreviewArgs,
     /// Write timings, counts and settings as JSON
     #[arg(long, value_name = "FILE")]
     stats: Option<PathBuf>,
@@ -263,24 +272,29 @@ pub fn run(args: &RenderArgs) -> Result<(), Error> {
     if let Some(stats) = &args.stats {
         output::check_writable(stats)?;
     }
+    let preview = args.preview.check()?;
 
     let loading = std::time::Instant::now();
     let (document, warnings) = args.scene.load()?;
     let parse_s = loading.elapsed().as_secs_f64();
     args.talk.warn(&warnings);
 
-    let plan = args.picture.plan(&document.render);
+    let mut plan = args.picture.plan(&document.render);
+    args.stops.apply(&mut plan, args.picture.spp, target)?;
+    let plan = plan;
     let (stage, camera, notes) = still::stage(&document, &plan)?;
     for note in &notes {
         args.talk.inform(note);
     }
     let transport = args.picture.transport(&document, &plan, &stage, &camera, &args.talk)?;
+    let viewer = args.display.open(&args.output.display().to_string(), camera.size)?;
+    let shows = args.preview.shows(viewer, preview, plan.look);
     let job = Job { args, document: &document, plan: &plan, stage: &stage, camera: &camera, target, parse_s };
     match (transport, args.picture.wavelengths()) {
-        (Transport::Rgb, _) => job.render::<Rgb>(),
-        (Transport::Spectral, 4) => job.render::<Spectral<4>>(),
-        (Transport::Spectral, 16) => job.render::<Spectral<16>>(),
-        (Transport::Spectral, _) => job.render::<Spectral<8>>(),
+        (Transport::Rgb, _) => job.render::<Rgb>(shows),
+        (Transport::Spectral, 4) => job.render::<Spectral<4>>(shows),
+        (Transport::Spectral, 16) => job.render::<Spectral<16>>(shows),
+        (Transport::Spectral, _) => job.render::<Spectral<8>>(shows),
     }
 }
 
@@ -296,7 +310,7 @@ struct Job<'a> {
 }
 
 impl Job<'_> {
-    fn render<M: Mode>(&self) -> Result<(), Error> {
+    fn render<M: Mode>(&self, shows: Shows) -> Result<(), Error> {
         let Self { args, document, plan, .. } = self;
         let samples = args.sampling.range(plan.render.spp)?;
         let prepared = still::prepare::<M>(document, plan, self.stage, self.camera)?;
@@ -313,17 +327,18 @@ impl Job<'_> {
             _ => None,
         };
         let mut sums = earlier.unwrap_or_else(|| Accumulation::new(prepared.camera.size, samples));
-        let [width, height] = sums.size;
-        let left = sums.samples.len() as u64 - u64::from(sums.spp());
-        let progress = Progress::new(args.talk.style(), u64::from(width) * u64::from(height) * left, signal.clone());
-        match (&saver, args.sampling.checkpoint()) {
-            (Some(saver), Some(every)) => saver.accumulate(&mut sums, every, &progress)?,
-            _ => prepared.accumulate(plan, &mut sums, &progress)?,
-        }
+        let (limit, start) = args.stops.limit(&sums);
+        let progress = Progress::new(args.talk.style(), &sums, (limit.time_s, plan.render.noise), signal.clone());
+        let live = Live::new(&progress, shows, |line| args.talk.inform(line));
+        let limited = Limited { watch: &live, limit, start };
+        let whole = match (&saver, args.sampling.checkpoint()) {
+            (Some(saver), Some(every)) => saver.accumulate(&mut sums, every, &limited)?,
+            _ => prepared.accumulate(plan, &mut sums, &limited)?,
+        };
         progress.finish();
 
-        let stopped = self.stopped(saver.as_ref(), &signal, &sums);
-        if !sums.is_complete() && (saver.is_some() || sums.spp() == 0) {
+        let stopped = if whole { Ok(()) } else { self.stopped(saver.as_ref(), &signal, &sums) };
+        if !whole && (self.target == Target::Part || sums.spp() == 0) {
             return stopped;
         }
         if let (Some(saver), Target::Part) = (&saver, self.target) {
@@ -336,7 +351,7 @@ impl Job<'_> {
             let (written, write_s) = still::write(&args.output, format, &picture, plan.look)?;
             stats.finish(&written, write_s);
         }
-        if let Some(saver) = &saver {
+        if let Some(saver) = saver.as_ref().filter(|_| whole) {
             saver.forget();
         }
         if let Some(path) = &args.stats {
@@ -371,9 +386,6 @@ impl Job<'_> {
         signal: &AtomicUsize,
         sums: &Accumulation,
     ) -> Result<(), Error> {
-        if sums.is_complete() {
-            return Ok(());
-        }
         let signal = signal.load(Ordering::Relaxed) as i32;
         let name = if signal == SIGINT { "SIGINT" } else { "SIGTERM" };
         let (done, wanted) = (sums.spp(), sums.samples.len() as u32);
@@ -472,24 +484,11 @@ impl PictureArgs {
                     },
                 },
                 clamp: self.clamp,
+                noise: None,
             },
             look: self.file.look(self.exposure.or(hints.exposure_ev).unwrap_or(0.0)),
             aovs: self.file.aovs(),
             max_memory: self.max_memory,
         }
     }
-}
-
-/// The number of the signal that asked the program to end, 0 until then. A second one ends it at once.
-pub fn signals() -> Arc<AtomicUsize> {
-    let signal = Arc::new(AtomicUsize::new(0));
-    let armed = Arc::new(std::sync::atomic::AtomicBool::new(false));
-    for number in [SIGINT, SIGTERM] {
-        // The order matters: the shutdown looks at the flag before the first signal sets it.
-        let code = 128 + number;
-        let _ = signal_hook::flag::register_conditional_shutdown(number, code, armed.clone());
-        let _ = signal_hook::flag::register(number, armed.clone());
-        let _ = signal_hook::flag::register_usize(number, signal.clone(), number as usize);
-    }
-    signal
 }
