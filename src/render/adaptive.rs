@@ -89,3 +89,47 @@ fn level(tiles: &[Tile], goals: &mut [u32], first: u32, end: u32) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::super::sums::Samples;
+    use super::*;
+    use crate::render::Doublings;
+
+    /// Six tiles in a row of luminance 1 after 32 samples, the last one with a hundred times the variance.
+    fn row() -> Vec<Tile> {
+        let mut tiles = Tile::grid([6 * TILE_SIDE, TILE_SIDE], 0..1000);
+        for tile in &mut tiles {
+            tile.next = LEAST_SPP;
+            let change = if tile.x0 == 5 * TILE_SIDE { 1e-2 } else { 1e-4 };
+            tile.doublings = Doublings { spp: LEAST_SPP, changes: [change, 2.0 * change], luminance: Vec::new() };
+            let mut light = Samples::default();
+            (0..LEAST_SPP).for_each(|_| assert!(light.add(Vec3::ONE)));
+            (0..tile.sums.len()).for_each(|pixel| tile.sums.add_samples(pixel, &light));
+        }
+        tiles
+    }
+
+    fn goals(tiles: &[Tile]) -> Vec<u32> {
+        let mut goals: Vec<_> = tiles.iter().map(|tile| (tile.x0, tile.goal)).collect();
+        goals.sort_unstable();
+        goals.into_iter().map(|(_, goal)| goal).collect()
+    }
+
+    #[test]
+    fn samples_go_where_the_noise_is_and_neighbours_follow() {
+        let mut tiles = row();
+        // The variances' mean is 1.75e-3.
+        assert!(!set_goals(&mut tiles, 0, 1000, 0.042));
+        assert!(set_goals(&mut tiles, 0, 1000, 0.03));
+        assert_eq!(goals(&tiles), [32, 32, 32, 32, 32, 64]);
+        tiles.iter_mut().for_each(|tile| tile.next = tile.goal);
+        assert!(set_goals(&mut tiles, 0, 1000, 0.02));
+        assert_eq!(goals(&tiles), [32, 32, 32, 32, 64, 128]);
+        // The most samples hold.
+        assert!(set_goals(&mut tiles, 0, 100, 0.001));
+        assert_eq!(goals(&tiles), [64, 64, 64, 64, 64, 100]);
+    }
+}

@@ -85,3 +85,47 @@ pub fn decay<'a>(tiles: impl Iterator<Item = (&'a Doublings, f64)>) -> f64 {
 pub fn luminance(rgb: [f64; 3]) -> f64 {
     (0..3).map(|channel| LUMINANCE[channel] * rgb[channel]).sum()
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::super::sums::Samples;
+    use super::*;
+
+    /// Grey samples, independent and uniform in 0..2, of many pixels: the variance of a mean of n is 1 / (3 n).
+    #[test]
+    fn independent_samples_have_the_variance_of_their_mean() {
+        let pixels = 256;
+        let mut sums = Sums::new(pixels);
+        let mut doublings = Doublings::default();
+        let mut state = 1u32;
+        for spp in 1..=96 {
+            for pixel in 0..pixels {
+                state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+                let word = ((state >> ((state >> 28) + 4)) ^ state).wrapping_mul(277_803_737);
+                let mut sample = Samples::default();
+                sample.add(Vec3::splat((word >> 8) as f32 / (1 << 23) as f32));
+                sums.add_samples(pixel, &sample);
+            }
+            doublings.note(&sums, spp);
+            let decay = decay([(&doublings, 1.0)].into_iter());
+            let variance = doublings.variance(spp, decay);
+            assert_eq!(variance.is_infinite(), spp < 4);
+            let ratio = variance * 3.0 * f64::from(spp);
+            assert!(spp < 16 || (0.6..1.4).contains(&ratio), "{ratio} at {spp}");
+        }
+        assert_eq!(Doublings::from_bytes(&doublings.to_bytes()), Some(doublings));
+        assert_eq!(Doublings::from_bytes(&[0; 19]), None);
+    }
+
+    /// Means whose errors fall as 1 / n have variances that fall four times as fast per doubling.
+    #[test]
+    fn a_faster_fall_is_seen() {
+        let fast = Doublings { spp: 64, changes: [1.0, 4.0], luminance: Vec::new() };
+        assert_eq!(decay([(&fast, 256.0)].into_iter()), 4.0);
+        assert!((fast.variance(64, 4.0) - 1.0 / 3.0).abs() < 1e-12);
+        let slow = Doublings { spp: 64, changes: [1.0, 1.0], luminance: Vec::new() };
+        assert_eq!(decay([(&slow, 256.0)].into_iter()), 2.0, "no slower than independent samples");
+    }
+}

@@ -74,7 +74,7 @@ pub enum RenderError {
     Memory { width: u32, height: u32, bytes: u64, limit: u64 },
 }
 
-/// Bytes per pixel at the peak, where the sums become a [`Frame`]: 72 by their types, with room for the rest.
+/// Bytes per pixel at the peak, where the sums become a [`Frame`]: 76 by their types, with room for the rest.
 /// (Tiles that go on in 128 bits take 48 more; they are those of lamps and fireflies.)
 const BYTES_PER_PIXEL: u64 = 80;
 

@@ -20,14 +20,14 @@ fn a_time_ends_a_still() {
     assert!(is_complete(Path::new(&folder.file("a.exr"))));
 }
 
-const NOISY: [&str; 4] = ["--size", "128x96", "--noise", "0.012"];
+const NOISY: [&str; 4] = ["--size", "128x96", "--noise", "0.002"];
 
 #[test]
 fn a_noise_ends_a_still_with_the_same_bits_however_it_is_made() {
     let folder = Folder::new("still-noise");
     let (one, hash) = stats(&folder, &[&NOISY[..], &["--threads", "1"]].concat());
     let number = |name: &str| one[name].as_f64().unwrap();
-    assert!(number("noise") <= 0.012 && number("noise") > 0.004, "{one}");
+    assert!(number("noise") <= 0.002 && number("noise") > 0.0007, "{one}");
     assert!(number("spp") >= 32.0 && number("mean_spp") > number("spp"), "{one}");
     assert_eq!(stats(&folder, &[&NOISY[..], &["--threads", "3"]].concat()).1, hash);
 
