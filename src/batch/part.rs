@@ -168,11 +168,10 @@ impl Cost {
 /// The file cannot be written.
 pub fn save(path: &Path, header: &PartHeader, sums: &Accumulation) -> Result<(), Error> {
     let text = serde_json::to_string(header).unwrap_or_default();
+    let done = sums.is_complete();
     let blocks = sums.blocks().map(|block| {
-        // What is done needs no note.
-        let goes_on = block.next < sums.samples.end;
         let note =
-            if goes_on { [&block.goal.to_le_bytes()[..], &block.doublings.to_bytes()].concat() } else { Vec::new() };
+            if done { Vec::new() } else { [&block.goal.to_le_bytes()[..], &block.doublings.to_bytes()].concat() };
         PartBlock { next: block.next, values: block.totals, note }
     });
     Ok(output::write_part(path, &text, blocks)?)
@@ -233,7 +232,7 @@ impl<'a> Part<'a> {
     }
 }
 
-/// A block from a file. One without a note was done.
+/// A block from a file. One without a note belongs to a part that was done.
 fn restored(PartBlock { next, values, note }: PartBlock) -> Block {
     let noted = note
         .split_first_chunk()

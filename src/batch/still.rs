@@ -177,6 +177,9 @@ impl<M: Mode> Prepared<M> {
             ("pellicle/seed".to_owned(), HeaderValue::Int(plan.render.seed as i32)),
             ("pellicle/films".to_owned(), text(&serde_json::to_string(&self.films()).unwrap_or_default())),
         ];
+        if let Some(noise) = plan.render.noise {
+            header.push(("pellicle/noiseTarget".to_owned(), HeaderValue::Float(noise as f32)));
+        }
         if let Some(how) = biased(&plan.render) {
             header.push(("pellicle/biased".to_owned(), text(&how)));
         }

@@ -16,28 +16,22 @@ pub(super) struct Grid<const K: usize> {
     span: f32,
 }
 
-/// A place on a thickness axis: between `row` and `row + 1`.
+/// A place on a thickness axis.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
-    row: u32,
-    t: f32,
+pub(super) enum Place {
+    /// The one row of an axis that has no other.
+    Only,
+    /// The share `t` of the way from a row to the next.
+    Between { row: u32, t: f32 },
 }
 
 impl Place {
-    /// The first row.
-    pub(super) fn first() -> Self {
-        Self { row: 0, t: 0.0 }
-    }
-
     /// Linear interpolation of a value per row.
     #[inline(always)]
     pub(super) fn between(self, value: impl Fn(usize) -> [f32; 3]) -> [f32; 3] {
-        let low = value(self.row as usize);
-        if self.t == 0.0 {
-            return low;
-        }
-        let high = value(self.row as usize + 1);
-        std::array::from_fn(|i| low[i] + self.t * (high[i] - low[i]))
+        let Self::Between { row, t } = self else { return value(0) };
+        let (low, high) = (value(row as usize), value(row as usize + 1));
+        std::array::from_fn(|i| low[i] + t * (high[i] - low[i]))
     }
 }
 
@@ -94,10 +88,13 @@ impl Axis {
 
     #[inline(always)]
     pub(super) fn place(&self, thickness_nm: f32) -> Place {
+        if self.span == 0.0 {
+            return Place::Only;
+        }
         // Runs before the thickness count whole, those after it not at all.
         let within_nm = (Vec4::splat(thickness_nm) - self.first_nm).max(Vec4::ZERO).min(self.length_nm);
         let (row, t) = cell(within_nm.dot(self.per_nm), self.span);
-        Place { row, t }
+        Place::Between { row, t }
     }
 }
 
@@ -152,12 +149,9 @@ impl<const K: usize> Grid<K> {
     #[inline(always)]
     pub(super) fn at(&self, u: f32, place: Place) -> [Vec4; K] {
         let (low, s) = cell(u * self.span, self.span);
-        let start = (place.row * self.columns + low) as usize;
-        let below = pair(&self.nodes, start, s);
-        if place.t == 0.0 {
-            return below;
-        }
-        mix(below, pair(&self.nodes, start + self.columns as usize, s), place.t)
+        let Place::Between { row, t } = place else { return pair(&self.nodes, low as usize, s) };
+        let start = (row * self.columns + low) as usize;
+        mix(pair(&self.nodes, start, s), pair(&self.nodes, start + self.columns as usize, s), t)
     }
 
     pub(super) fn bytes(&self) -> usize {
