@@ -102,8 +102,9 @@ impl<M: Mode> Prepared<M> {
     pub fn summary(&self, document: &Document, plan: &StillPlan) -> String {
         let [width, height] = self.camera.size;
         let biased = biased(&plan.render).map(|how| format!(", biased: {how}")).unwrap_or_default();
+        let until = plan.render.noise.map(|noise| format!(" at most, to a noise of {noise}")).unwrap_or_default();
         format!(
-            "{}: {} triangles, {} materials, {} emitters; {width}x{height}, {} spp, {} bounces{biased}",
+            "{}: {} triangles, {} materials, {} emitters; {width}x{height}, {} spp{until}, {} bounces{biased}",
             document.path.display(),
             triangles(document),
             document.materials.len(),
