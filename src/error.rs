@@ -31,7 +31,7 @@ pub enum Error {
     /// Stopped by a signal. Unless `done` is 0, what was rendered has been written.
     #[error("stopped by {name} {}", progress(*done, *wanted))]
     Interrupted { signal: i32, name: &'static str, done: u32, wanted: u32 },
-    /// Stopped by a signal, with a checkpoint to go on from.
+    /// Stopped by a signal, with a checkpoint to go on from; a picture has been written as far as it is.
     #[error("stopped by {name} after {done} of {wanted} samples per pixel; go on with --resume ({})", checkpoint.display())]
     Suspended { name: &'static str, done: u32, wanted: u32, checkpoint: PathBuf },
     /// A batch that was stopped by a signal between two frames.

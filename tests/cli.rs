@@ -20,12 +20,16 @@ mod encode;
 mod faults;
 #[path = "cli/instances.rs"]
 mod instances;
+#[path = "cli/live.rs"]
+mod live;
 #[path = "cli/merge.rs"]
 mod merge;
 #[path = "cli/signals.rs"]
 mod signals;
 #[path = "cli/slurm.rs"]
 mod slurm;
+#[path = "cli/stops.rs"]
+mod stops;
 #[path = "cli/turntable.rs"]
 mod turntable;
 

@@ -66,7 +66,7 @@ fn picture(scene: &Path, spp: u32, seed: u32) -> Frame {
     let films = FilmOptions { tolerance: 1.0, rung: None };
     let compiled = Scene::<Rgb>::new(stage.clone(), &films).unwrap();
     let (camera, _) = Camera::new(&document, None, SIZE.map(Some), Framing::Auto, stage.bounds).unwrap();
-    let plan = Plan { spp, seed, threads: 0, filter: Filter::Box, limits: LIMITS, clamp: None };
+    let plan = Plan { spp, seed, threads: 0, filter: Filter::Box, limits: LIMITS, clamp: None, noise: None };
     let frame = render(&compiled, &camera, &plan, &Unwatched).unwrap();
     assert_eq!(frame.tally.non_finite, 0, "{}", scene.display());
     frame

@@ -90,7 +90,7 @@ impl Builder {
         let scene = Scene::<M>::new(stage.clone(), &FilmOptions { tolerance: 0.01, rung: None }).unwrap();
         let size = [Some(size), Some(size)];
         let (camera, _) = scene::Camera::new(&self.0, None, size, Framing::Scene, stage.bounds).unwrap();
-        let plan = Plan { spp, seed: 1, threads, filter: Filter::Box, limits, clamp: None };
+        let plan = Plan { spp, seed: 1, threads, filter: Filter::Box, limits, clamp: None, noise: None };
         let frame = render(&scene, &camera, &plan, &Unwatched).unwrap();
         assert_eq!(frame.tally.non_finite, 0);
         frame

@@ -89,8 +89,8 @@ fn median(values: &[f64]) -> Option<f64> {
     sorted.get(sorted.len().saturating_sub(1) / 2).copied()
 }
 
-/// Ends a frame at its limit, between passes: every pixel has the same samples, so the frame can be made again from its
-/// number of samples alone.
+/// Ends a picture at its limit, between passes: every pixel of a frame has the same samples then, and it can be made again
+/// from their number alone.
 pub struct Limited<'a> {
     pub watch: &'a dyn Watch,
     pub limit: Limit,
@@ -108,7 +108,7 @@ impl Watch for Limited<'_> {
 
     fn pass(&self, so_far: &Accumulation) -> u32 {
         let spp = so_far.spp();
-        let mut count = so_far.usual_pass().min(self.limit.spp.saturating_sub(spp));
+        let mut count = self.watch.pass(so_far).min(self.limit.spp.saturating_sub(spp));
         if let Some(time_s) = self.limit.time_s {
             let elapsed_s = self.start.elapsed().as_secs_f64();
             let affordable = (time_s - elapsed_s) / (elapsed_s / f64::from(spp));
@@ -118,6 +118,10 @@ impl Watch for Limited<'_> {
             Some(noise) if spp >= LEAST_SPP_FOR_NOISE && so_far.noise() <= noise => 0,
             _ => count,
         }
+    }
+
+    fn done(&self, sums: &Accumulation) {
+        self.watch.done(sums);
     }
 }
 

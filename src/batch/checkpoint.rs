@@ -86,20 +86,19 @@ impl<'a, M: Mode> Saver<'a, M> {
         }
     }
 
-    /// Renders what `sums` lacks; saves the checkpoint every so often, and when the watch stops it before the end.
+    /// Renders what `sums` lacks; saves the checkpoint every so often, and when the watch stops it before the end: false then.
     ///
     /// # Errors
     /// As rendering; or the checkpoint cannot be written.
-    pub fn accumulate(&self, sums: &mut Accumulation, every: Duration, watch: &dyn Watch) -> Result<(), Error> {
+    pub fn accumulate(&self, sums: &mut Accumulation, every: Duration, watch: &dyn Watch) -> Result<bool, Error> {
         loop {
             let pause = Pause { watch, at: Instant::now().checked_add(every) };
-            self.prepared.accumulate(self.plan, sums, &pause)?;
-            if sums.is_complete() {
-                return Ok(());
+            if self.prepared.accumulate(self.plan, sums, &pause)? {
+                return Ok(true);
             }
             self.save(&self.checkpoint, sums)?;
             if watch.stop() {
-                return Ok(());
+                return Ok(false);
             }
         }
     }
@@ -128,5 +127,9 @@ impl Watch for Pause<'_> {
 
     fn pass(&self, so_far: &Accumulation) -> u32 {
         self.watch.pass(so_far)
+    }
+
+    fn done(&self, sums: &Accumulation) {
+        self.watch.done(sums);
     }
 }

@@ -86,7 +86,7 @@ fn pilot_error(document: &Document, plan: &StillPlan, stage: &Arc<Stage>, camera
     let scale = PILOT_SIDE as f32 / width.max(height) as f32;
     let side = |pixels: u32| ((pixels as f32 * scale).round() as u32).max(1);
     let camera = camera.resized([side(width), side(height)]);
-    let pilot = Plan { spp: PILOT_SPP, seed: 0, filter: Filter::Box, ..plan.render };
+    let pilot = Plan { spp: PILOT_SPP, seed: 0, filter: Filter::Box, noise: None, ..plan.render };
     let spectral = Scene::<Paired<true>>::new(stage.clone(), &plan.films).map_err(|e| built(document, e))?;
     let rgb = Scene::<Paired<false>>::new(stage.clone(), &plan.films).map_err(|e| built(document, e))?;
     let truth = blocks(&render(&spectral, &camera, &pilot, &Unwatched)?);

@@ -7,6 +7,7 @@ mod choose_mode;
 pub mod describe;
 pub mod encode;
 pub mod frames;
+pub mod live;
 pub mod merge;
 pub mod part;
 pub mod record;

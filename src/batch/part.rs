@@ -12,7 +12,7 @@ use crate::error::Error;
 use crate::integrate::{PathLimits, Tally};
 use crate::mode::Mode;
 use crate::output::{self, HeaderValue, OutputError, PartBlock, PartReader};
-use crate::render::{Accumulation, Block, Plan};
+use crate::render::{Accumulation, Block, Doublings, Plan};
 use crate::scene::{FilmOptions, Raster, Window};
 
 /// What a part file says before its sums.
@@ -49,6 +49,7 @@ pub struct Settings {
     pub max_bounces: u32,
     pub strategy: String,
     pub clamp: Option<f32>,
+    pub noise: Option<f64>,
     pub tolerance: f32,
     pub film: Option<String>,
 }
@@ -90,7 +91,7 @@ impl Settings {
             max_memory: _,
         } = plan;
         let FilmOptions { tolerance, rung } = films;
-        let Plan { spp, seed, threads: _, filter, limits: PathLimits { max_bounces, strategy }, clamp } = render;
+        let Plan { spp, seed, threads: _, filter, limits: PathLimits { max_bounces, strategy }, clamp, noise } = render;
         Ok(Self {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             scene_sha256: document.sha256.clone(),
@@ -108,6 +109,7 @@ impl Settings {
             max_bounces: *max_bounces,
             strategy: format!("{strategy:?}"),
             clamp: *clamp,
+            noise: *noise,
             tolerance: *tolerance,
             film: rung.map(|rung| rung.to_string()),
         })
@@ -184,7 +186,12 @@ impl Cost {
 /// The file cannot be written.
 pub fn save(path: &Path, header: &PartHeader, sums: &Accumulation) -> Result<(), Error> {
     let text = serde_json::to_string(header).unwrap_or_default();
-    let blocks = sums.blocks().map(|block| PartBlock { next: block.next, values: block.totals });
+    let done = sums.is_complete();
+    let blocks = sums.blocks().map(|block| {
+        let note =
+            if done { Vec::new() } else { [&block.goal.to_le_bytes()[..], &block.doublings.to_bytes()].concat() };
+        PartBlock { next: block.next, values: block.totals, note }
+    });
     Ok(output::write_part(path, &text, blocks)?)
 }
 
@@ -228,7 +235,7 @@ impl<'a> Part<'a> {
     fn read(self, take: impl FnOnce(&mut dyn Iterator<Item = Block>) -> Result<(), String>) -> Result<(), Error> {
         let mut failure = None;
         let mut blocks = self.reader.map_while(|block| match block {
-            Ok(PartBlock { next, values }) => Some(Block { next, totals: values }),
+            Ok(block) => Some(restored(block)),
             Err(error) => {
                 failure = Some(error);
                 None
@@ -241,6 +248,15 @@ impl<'a> Part<'a> {
             None => taken.map_err(|reason| damaged(self.path, reason)),
         }
     }
+}
+
+/// A block from a file. One without a note belongs to a part that was done.
+fn restored(PartBlock { next, values, note }: PartBlock) -> Block {
+    let noted = note
+        .split_first_chunk()
+        .and_then(|(goal, rest)| Some((u32::from_le_bytes(*goal), Doublings::from_bytes(rest)?)));
+    let (goal, doublings) = noted.unwrap_or((next, Doublings::default()));
+    Block { next, goal, totals: values, doublings }
 }
 
 fn damaged(path: &Path, reason: String) -> Error {

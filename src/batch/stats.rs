@@ -15,8 +15,11 @@ pub struct Stats {
     pub scene_sha256: String,
     pub width: u32,
     pub height: u32,
-    /// Samples per pixel that were taken.
+    /// Samples that every pixel has, and their mean over the pixels.
     pub spp: u32,
+    pub mean_spp: f64,
+    /// Estimated relative error of the picture; none from less than two samples.
+    pub noise: Option<f64>,
     pub seed: u32,
     pub mode: &'static str,
     pub max_bounces: u32,
@@ -76,12 +79,13 @@ impl Stats {
 
     /// The closing line of a render.
     pub fn summary(&self, output: &Path) -> String {
+        let noise = self.noise.map(|noise| format!(", noise {:.2} %,", 100.0 * noise)).unwrap_or_default();
         let mut line = format!(
-            "{}: {}x{}, {} spp in {:.2} s (load {:.2} s, write {:.2} s), {:.2} M samples/s, {:.0} MB",
+            "{}: {}x{}, {:.0} spp{noise} in {:.2} s (load {:.2} s, write {:.2} s), {:.2} M samples/s, {:.0} MB",
             output.display(),
             self.width,
             self.height,
-            self.spp,
+            self.mean_spp,
             self.render_s,
             self.load_s,
             self.write_s,

@@ -107,8 +107,9 @@ impl<M: Mode> Prepared<M> {
             None => String::new(),
         };
         let biased = biased(&plan.render).map(|how| format!(", biased: {how}")).unwrap_or_default();
+        let until = plan.render.noise.map(|noise| format!(" at most, to a noise of {noise}")).unwrap_or_default();
         format!(
-            "{}: {} triangles, {} materials, {} emitters; {width}x{height}{crop}, {} spp, {} bounces{biased}",
+            "{}: {} triangles, {} materials, {} emitters; {width}x{height}{crop}, {} spp{until}, {} bounces{biased}",
             document.path.display(),
             triangles(document),
             document.materials.len(),
@@ -124,8 +125,8 @@ impl<M: Mode> Prepared<M> {
         Ok(render::render(&self.scene, &self.camera, &plan.render, watch)?)
     }
 
-    /// Adds what `sums` lacks; as [`render`](Self::render).
-    pub fn accumulate(&self, plan: &StillPlan, sums: &mut Accumulation, watch: &dyn Watch) -> Result<(), Error> {
+    /// Adds what `sums` lacks; false where the watch stopped it in the middle. As [`render`](Self::render).
+    pub fn accumulate(&self, plan: &StillPlan, sums: &mut Accumulation, watch: &dyn Watch) -> Result<bool, Error> {
         Ok(render::accumulate(&self.scene, &self.camera, &plan.render, sums, watch)?)
     }
 
@@ -133,7 +134,6 @@ impl<M: Mode> Prepared<M> {
     pub fn stats(&self, document: &Document, plan: &StillPlan, frame: &Frame, parse_s: f64) -> Stats {
         let stage = &self.scene.stage;
         let load_s = parse_s + stage.textures_s + self.scene.materials_s + stage.bvh_s;
-        let samples = f64::from(frame.width) * f64::from(frame.height) * f64::from(frame.spp);
         let rays = frame.tally.rays + frame.tally.shadow_rays;
         Stats {
             version: env!("CARGO_PKG_VERSION"),
@@ -142,6 +142,8 @@ impl<M: Mode> Prepared<M> {
             width: frame.width,
             height: frame.height,
             spp: frame.spp,
+            mean_spp: frame.mean_spp(),
+            noise: Some(frame.noise).filter(|noise| noise.is_finite()),
             seed: plan.render.seed,
             mode: M::NAME,
             max_bounces: plan.render.limits.max_bounces,
@@ -158,7 +160,7 @@ impl<M: Mode> Prepared<M> {
             total_s: load_s + frame.render_s,
             rays: frame.tally.rays,
             shadow_rays: frame.tally.shadow_rays,
-            samples_per_s: samples / frame.render_s,
+            samples_per_s: frame.total as f64 / frame.render_s,
             mrays_per_s: rays as f64 * 1e-6 / frame.render_s,
             non_finite: frame.tally.non_finite,
             beyond_range: frame.tally.beyond_range,
@@ -184,6 +186,9 @@ impl<M: Mode> Prepared<M> {
         if self.camera.pixel_aspect != 1.0 {
             header.push((output::PIXEL_ASPECT.to_owned(), HeaderValue::Float(self.camera.pixel_aspect)));
         }
+        if let Some(noise) = plan.render.noise {
+            header.push(("pellicle/noiseTarget".to_owned(), HeaderValue::Float(noise as f32)));
+        }
         if let Some(how) = biased(&plan.render) {
             header.push(("pellicle/biased".to_owned(), text(&how)));
         }
@@ -204,6 +209,7 @@ pub fn picture(frame: &Frame, aovs: &[Aov], mut header: Vec<(String, HeaderValue
     header.extend([
         ("pellicle/sampleRange".to_owned(), HeaderValue::Text(format!("0-{}", frame.spp))),
         ("samplesPerPixel".to_owned(), HeaderValue::Int(frame.spp as i32)),
+        ("pellicle/meanSamplesPerPixel".to_owned(), HeaderValue::Float(frame.mean_spp() as f32)),
         ("renderTimeSeconds".to_owned(), HeaderValue::Float(frame.render_s as f32)),
     ]);
     let rgba = frame.rgb.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect();
@@ -212,6 +218,14 @@ pub fn picture(frame: &Frame, aovs: &[Aov], mut header: Vec<(String, HeaderValue
     let is_part = window != Window::whole(frame.size);
     let crop = is_part.then_some(Crop { x: window.x, y: window.y, full_width, full_height });
     Picture { width, height, crop, rgba, layers, header }
+}
+
+/// What a picture that is on its way tells of itself.
+pub fn progress(sums: &Accumulation) -> Vec<(String, HeaderValue)> {
+    vec![
+        ("samplesPerPixel".to_owned(), HeaderValue::Int(sums.spp() as i32)),
+        ("renderTimeSeconds".to_owned(), HeaderValue::Float(sums.render_s as f32)),
+    ]
 }
 
 /// How pictures are written.

@@ -5,7 +5,7 @@
 //!
 //! What is missing from a transparent body depends on the colour of its film, because reflected and refracted light meet
 //! different obstacles. The tables here hold geometry alone: what is lost is linear in the film's transmittance over angle,
-//! so each lane's own loss is a short sum over the hats of its [`Profile`].
+//! so each lane's own loss is a short sum over the terms of its [`Profile`].
 
 use std::f32::consts::{FRAC_1_PI, TAU};
 
@@ -15,13 +15,14 @@ use rayon::prelude::*;
 use super::dielectric::{is_straight, refract};
 use super::microfacet::Microfacets;
 use crate::document::Distribution;
-use crate::film::{HATS, Profile, Side, hat_means, hats};
+use crate::film::{Profile, Side, TERMS, term_means, terms};
 use crate::mode::{Lanes, Mode};
 
 /// Roughnesses that a table holds where an image varies them: squares of even steps.
 const ALPHAS: usize = 13;
-/// Cosines per roughness ([`Nodes`]).
+/// Cosines per roughness ([`Nodes`]): of what is lost, and of what goes straight through, which follows the terms of a profile.
 const COSINES: usize = 36;
+const COSINES_OF_TERMS: usize = 96;
 /// Facets per entry in one direction and in the other, of which symmetry saves one half.
 const FACETS: [usize; 2] = [40, 16];
 /// The golden ratio's fraction: shifts by it fill an interval evenly.
@@ -33,47 +34,49 @@ const LOW: f32 = 0.087;
 
 /// K numbers over roughness and cosine.
 struct Table<const K: usize> {
-    /// Row by row, `COSINES` entries each; one row where the roughness is constant.
+    /// Row by row, each as long as its nodes; one row where the roughness is constant.
     entries: Vec<[f32; K]>,
     /// 2 Int x mu dmu of each row, exactly as `at` interpolates it.
     means: Vec<[f32; K]>,
     /// Of each row.
-    alphas: Vec<f32>,
+    nodes: Vec<Nodes>,
 }
 
 impl<const K: usize> Table<K> {
-    /// S tables of means over visible facets, for a constant `alpha`, or for all where `None`; `facet(microfacets, wo, h)`
-    /// gives what one facet adds to each.
+    /// S tables of means over visible facets, for a constant `alpha`, or for all where `None`, over the cosines that `nodes`
+    /// gives for a roughness; `facet(microfacets, wo, h)` gives what one facet adds to each.
     fn several<const S: usize>(
         distribution: Distribution,
         alpha: Option<f32>,
+        nodes: fn(f32) -> Nodes,
         facet: impl Fn(&Microfacets, Vec3, Vec3) -> [[f32; K]; S] + Sync,
     ) -> [Self; S] {
         let alphas: Vec<f32> = match alpha {
             Some(alpha) => vec![alpha],
             None => (0..ALPHAS).map(|i| (i as f32 / (ALPHAS - 1) as f32).powi(2)).collect(),
         };
+        let nodes: Vec<Nodes> = alphas.iter().map(|&alpha| nodes(alpha)).collect();
+        let columns = nodes[0].columns;
         let entry = |index: usize| {
-            let alpha = alphas[index / COSINES];
-            let microfacets = Microfacets { distribution, alpha };
+            let microfacets = Microfacets { distribution, alpha: alphas[index / columns] };
             // Looking exactly along the surface has no visible facets.
-            let mu = Nodes::new(alpha).cosine(index % COSINES).max(1e-5);
+            let mu = nodes[index / columns].cosine(index % columns).max(1e-5);
             let wo = Vec3::new((1.0 - mu * mu).sqrt(), 0.0, mu);
             mean_over_facets(&microfacets, wo, |h| facet(&microfacets, wo, h))
         };
-        let count = alphas.len() * COSINES;
+        let count = alphas.len() * columns;
         let entries: Vec<[[f32; K]; S]> = (0..count).into_par_iter().with_min_len(4).map(entry).collect();
         std::array::from_fn(|table| {
             let entries: Vec<[f32; K]> = entries.iter().map(|entry| entry[table]).collect();
-            let mean = |(row, &alpha): (&[[f32; K]], &f32)| {
+            let mean = |(row, nodes): (&[[f32; K]], &Nodes)| {
                 let mut sum = [0.0; K];
-                for (entry, weight) in row.iter().zip(Nodes::new(alpha).weights()) {
+                for (entry, weight) in row.iter().zip(nodes.weights()) {
                     add(&mut sum, entry, weight);
                 }
                 sum
             };
-            let means = entries.chunks(COSINES).zip(&alphas).map(mean).collect();
-            Self { entries, means, alphas: alphas.clone() }
+            let means = entries.chunks(columns).zip(&nodes).map(mean).collect();
+            Self { entries, means, nodes: nodes.clone() }
         })
     }
 
@@ -81,9 +84,10 @@ impl<const K: usize> Table<K> {
     #[inline]
     fn at(&self, alpha: f32, cos: f32) -> [f32; K] {
         self.between(alpha, |row| {
-            let x = Nodes::new(self.alphas[row]).place(cos.clamp(0.0, 1.0));
-            let column = (x as usize).min(COSINES - 2);
-            let start = row * COSINES + column;
+            let nodes = self.nodes[row];
+            let x = nodes.place(cos.clamp(0.0, 1.0));
+            let column = (x as usize).min(nodes.columns - 2);
+            let start = row * nodes.columns + column;
             mix(&self.entries[start], &self.entries[start + 1], x - column as f32)
         })
     }
@@ -117,27 +121,33 @@ fn add<const K: usize>(sum: &mut [f32; K], entry: &[f32; K], weight: f32) {
     }
 }
 
-/// Where a row has its cosines: even steps of t = sqrt((1 + c) mu / (mu + c)), c in proportion to the roughness, because
-/// losses set in at slopes like those of the facets.
+/// Where a row has its cosines: even steps of t = sqrt((1 + c) mu / (mu + c)).
 #[derive(Clone, Copy)]
 struct Nodes {
     c: f32,
+    columns: usize,
 }
 
 impl Nodes {
+    /// For what is lost: c in proportion to the roughness, because losses set in at slopes like those of the facets.
     #[inline]
     fn new(alpha: f32) -> Self {
-        Self { c: 4.0 * alpha.max(1e-4) }
+        Self { c: 4.0 * alpha.max(1e-4), columns: COSINES }
+    }
+
+    /// For what follows the terms of a profile: practically t = sqrt(mu).
+    fn of_terms(_alpha: f32) -> Self {
+        Self { c: 1e4, columns: COSINES_OF_TERMS }
     }
 
     /// Column of a cosine, with a fraction.
     #[inline]
     fn place(self, mu: f32) -> f32 {
-        ((1.0 + self.c) * mu / (mu + self.c)).sqrt() * (COSINES - 1) as f32
+        ((1.0 + self.c) * mu / (mu + self.c)).sqrt() * (self.columns - 1) as f32
     }
 
     fn cosine(self, column: usize) -> f32 {
-        self.cosine_at(column as f32 / (COSINES - 1) as f32)
+        self.cosine_at(column as f32 / (self.columns - 1) as f32)
     }
 
     #[inline]
@@ -146,19 +156,19 @@ impl Nodes {
     }
 
     /// 2 * integral of each node's hat times mu dmu = d(mu^2).
-    fn weights(self) -> [f32; COSINES] {
+    fn weights(self) -> Vec<f32> {
         const STEPS: usize = 32;
-        let mut weights = [0.0f64; COSINES];
-        for column in 0..COSINES - 1 {
+        let mut weights = vec![0.0f64; self.columns];
+        for column in 0..self.columns - 1 {
             for step in 0..STEPS {
-                let t = |step: f32| self.cosine_at((column as f32 + step / STEPS as f32) / (COSINES - 1) as f32);
+                let t = |step: f32| self.cosine_at((column as f32 + step / STEPS as f32) / (self.columns - 1) as f32);
                 let area = f64::from(t(step as f32 + 1.0)).powi(2) - f64::from(t(step as f32)).powi(2);
                 let share = (step as f64 + 0.5) / STEPS as f64;
                 weights[column] += (1.0 - share) * area;
                 weights[column + 1] += share * area;
             }
         }
-        weights.map(|weight| weight as f32)
+        weights.into_iter().map(|weight| weight as f32).collect()
     }
 }
 
@@ -212,7 +222,7 @@ pub(super) fn square_to_broad(alpha: f32, u: [f32; 2]) -> Vec3 {
 /// Density of [`square_to_broad`], 1/sr.
 #[inline]
 pub(super) fn broad_pdf(alpha: f32, cos: f32) -> f32 {
-    let Nodes { c } = Nodes::new(alpha);
+    let Nodes { c, .. } = Nodes::new(alpha);
     let share = (1.0 + c) / (cos + c);
     share * share * c / (cos + c) * cos * FRAC_1_PI
 }
@@ -229,7 +239,8 @@ pub struct Missing(Table<1>);
 impl Missing {
     /// For a constant `alpha`, or for all where `None`; `None` where nothing worth mentioning is lost.
     pub fn new(distribution: Distribution, alpha: Option<f32>) -> Option<Self> {
-        let [table] = Table::several(distribution, alpha, |facets, wo, h| [[1.0 - reflected(facets, wo, h)]]);
+        let [table] =
+            Table::several(distribution, alpha, Nodes::new, |facets, wo, h| [[1.0 - reflected(facets, wo, h)]]);
         (table.at(alpha.unwrap_or(1.0), LOW)[0] > NEGLIGIBLE).then_some(Self(table))
     }
 
@@ -256,17 +267,18 @@ impl Missing {
 /// Means below this are mostly rounding: what they stand for is left lost.
 const TINY: f32 = 1e-5;
 
-/// One number that needs no film, and one for each hat of transmittance.
-type Sums = Table<{ 1 + HATS }>;
+/// One number that needs no film, and one for each term of a profile.
+type Sums = Table<{ 1 + TERMS }>;
 
 /// What facets between two transparent media do to light, whatever their film.
 pub struct Interface(Geometry);
 
 enum Geometry {
-    /// Losses from outside and from inside: if everything were reflected, and what each hat of transmittance changes.
+    /// Losses from outside and from inside: if everything were reflected, and what each term of the transmittance
+    /// changes.
     Bends { losses: [Sums; 2] },
     /// Between equal media. What goes straight through: the share that the spread of visible facets leaves of fringes too
-    /// narrow for the hats, and what the facets' mean of each hat is beyond that.
+    /// narrow for a profile, and what the facets' mean of each of its terms is beyond that.
     Straight { losses: Sums, through: Sums },
 }
 
@@ -274,14 +286,15 @@ impl Interface {
     /// For a constant `alpha`, or for all where `None`. `eta` is the index inside over outside.
     pub fn new(distribution: Distribution, alpha: Option<f32>, eta: f32) -> Self {
         if is_straight(eta) {
-            let [losses, through] = Table::several(distribution, alpha, |facets, wo, h| {
-                let (reflected, cos_h) = (reflected(facets, wo, h), wo.dot(h).max(0.0));
+            let [losses] = Table::several(distribution, alpha, Nodes::new, |facets, wo, h| {
                 // What is not bent meets no obstacle.
-                [loss(reflected, Some((cos_h, 1.0))), straight(wo.z, cos_h)]
+                [loss(reflected(facets, wo, h), Some((wo.dot(h).max(0.0), 1.0)))]
             });
+            let [through] =
+                Table::several(distribution, alpha, Nodes::of_terms, |_, wo, h| [straight(wo.z, wo.dot(h).max(0.0))]);
             return Self(Geometry::Straight { losses, through });
         }
-        let losses = Table::several(distribution, alpha, |facets, wo, h| {
+        let losses = Table::several(distribution, alpha, Nodes::new, |facets, wo, h| {
             let reflected = reflected(facets, wo, h);
             [eta, 1.0 / eta].map(|across| loss(reflected, passed(facets, wo, h, across)))
         });
@@ -306,30 +319,25 @@ fn passed(microfacets: &Microfacets, wo: Vec3, h: Vec3, across: f32) -> Option<(
     Some((if across >= 1.0 { cos_h } else { down.dot(h).abs() }, passed))
 }
 
-fn loss(reflected: f32, passed: Option<(f32, f32)>) -> [f32; 1 + HATS] {
-    let mut entry = [0.0; 1 + HATS];
+fn loss(reflected: f32, passed: Option<(f32, f32)>) -> [f32; 1 + TERMS] {
+    let mut entry = [0.0; 1 + TERMS];
     entry[0] = 1.0 - reflected;
     if let Some((rare_cos, passed)) = passed {
-        let (low, values) = hats(rare_cos);
-        for (slot, value) in entry[1 + low..].iter_mut().zip(values) {
+        for (slot, value) in entry[1..].iter_mut().zip(terms(rare_cos)) {
             *slot = value * (reflected - passed);
         }
     }
     entry
 }
 
-/// Periods per hat of a fringe that hats do not resolve.
-const NARROW: f32 = 0.7;
+/// Periods over sqrt(mu) of a fringe that a profile does not resolve, per term.
+const NARROW: f32 = 0.6;
 
-fn straight(cos: f32, cos_h: f32) -> [f32; 1 + HATS] {
-    let mut entry = [0.0; 1 + HATS];
-    let narrow = ((cos_h.sqrt() - cos.sqrt()) * (NARROW * TAU * (HATS - 1) as f32)).cos();
-    entry[0] = narrow;
-    for (at, weight) in [(cos_h, 1.0), (cos, -narrow)] {
-        let (low, values) = hats(at);
-        for (slot, value) in entry[1 + low..].iter_mut().zip(values) {
-            *slot += value * weight;
-        }
+fn straight(cos: f32, cos_h: f32) -> [f32; 1 + TERMS] {
+    let narrow = ((cos_h.sqrt() - cos.sqrt()) * (NARROW * TAU * TERMS as f32)).cos();
+    let mut entry = [narrow; 1 + TERMS];
+    for (slot, (facet, view)) in entry[1..].iter_mut().zip(terms(cos_h).into_iter().zip(terms(cos))) {
+        *slot = facet - narrow * view;
     }
     entry
 }
@@ -355,8 +363,8 @@ impl<'s, M: Mode> Multiple<'s, M> {
         // Crossing must be reciprocal, which ties the two sides together: y m n^2 has to be the same from both, and n^2 T
         // is; the smaller loss sets the scale.
         let mut transmit = M::Light::ZERO;
-        for (height, mean) in multiple.profile.transmit.iter().zip(hat_means()) {
-            transmit += *height * *mean;
+        for (factor, mean) in multiple.profile.transmit.iter().zip(term_means()) {
+            transmit += *factor * *mean;
         }
         let [outside, inside] = multiple.means;
         multiple.crossing = [
@@ -368,10 +376,10 @@ impl<'s, M: Mode> Multiple<'s, M> {
 
     /// Lost from the light whose facets have these sums.
     #[inline]
-    fn lost(&self, side: Side, sums: &[f32; 1 + HATS]) -> M::Light {
+    fn lost(&self, side: Side, sums: &[f32; 1 + TERMS]) -> M::Light {
         let mut lost = self.profile.absorbed[at(side)].map(|absorbed| (1.0 - absorbed) * sums[0]);
-        for (height, sum) in self.profile.transmit.iter().zip(&sums[1..]) {
-            lost += *height * *sum;
+        for (factor, sum) in self.profile.transmit.iter().zip(&sums[1..]) {
+            lost += *factor * *sum;
         }
         lost
     }
@@ -406,8 +414,8 @@ impl<'s, M: Mode> Multiple<'s, M> {
         let Geometry::Straight { through, .. } = &self.interface.0 else { return M::Light::ZERO };
         let [narrow, weights @ ..] = through.at(self.alpha, cos);
         let mut transmit = facet * narrow;
-        for (height, weight) in self.profile.transmit.iter().zip(weights) {
-            transmit += *height * weight;
+        for (factor, weight) in self.profile.transmit.iter().zip(weights) {
+            transmit += *factor * weight;
         }
         transmit
     }

@@ -15,6 +15,7 @@ mod sampling;
 mod scene_args;
 mod sequence;
 mod stack_args;
+mod stops;
 mod turntable;
 
 use std::io::Write;

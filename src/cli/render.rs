@@ -6,14 +6,17 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use clap::{Args, ValueEnum};
-use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::consts::SIGINT;
 
 use super::progress::{Progress, ProgressArg};
 use super::raster_args::RasterArgs;
 use super::sampling::{SamplingArgs, Target};
 use super::scene_args::{FramingArg, SceneArgs};
+use super::stops::{DisplayArgs, PreviewArgs, StopArgs, signals};
 use super::{print, say};
+use crate::batch::budget::Limited;
 use crate::batch::checkpoint::Saver;
+use crate::batch::live::{Live, Shows};
 use crate::batch::still::{self, Aov, Look, StillPlan};
 use crate::batch::{Transport, choose_mode};
 use crate::collada::Warning;
@@ -34,7 +37,8 @@ use crate::scene::{Camera, FilmOptions, Stage};
 #[command(after_help = "Examples:
   pellicle render scenes/bubbles.dae -o bubbles.png
   pellicle render scene.dae -o still.exr --size 3840x2160 --spp 1024
-  pellicle render scene.dae -o quick.png --spp 8 --exposure 1")]
+  pellicle render scene.dae -o quick.png --spp 8 --exposure 1
+  pellicle render scene.dae -o still.exr --noise 0.01 --checkpoint 5m --preview still.png")]
 pub struct RenderArgs {
     #[command(flatten)]
     pub(super) scene: SceneArgs,
@@ -45,6 +49,12 @@ pub struct RenderArgs {
     pub(super) picture: PictureArgs,
     #[command(flatten)]
     sampling: SamplingArgs,
+    #[command(flatten)]
+    stops: StopArgs,
+    #[command(flatten)]
+    display: DisplayArgs,
+    #[command(flatten)]
+    preview: PreviewArgs,
     /// Write timings, counts and settings as JSON
     #[arg(long, value_name = "FILE")]
     stats: Option<PathBuf>,
@@ -242,24 +252,29 @@ pub fn run(args: &RenderArgs) -> Result<(), Error> {
     if let Some(stats) = &args.stats {
         output::check_writable(stats)?;
     }
+    let preview = args.preview.check()?;
 
     let loading = std::time::Instant::now();
     let (document, warnings) = args.scene.load()?;
     let parse_s = loading.elapsed().as_secs_f64();
     args.talk.warn(&warnings);
 
-    let plan = args.picture.plan(&document.render);
+    let mut plan = args.picture.plan(&document.render);
+    args.stops.apply(&mut plan, args.picture.spp, target)?;
+    let plan = plan;
     let (stage, camera, notes) = still::stage(&document, &plan)?;
     for note in &notes {
         args.talk.inform(note);
     }
     let transport = args.picture.transport(&document, &plan, &stage, &camera, &args.talk)?;
+    let viewer = args.display.open(&args.output.display().to_string(), camera.window().size())?;
+    let shows = args.preview.shows(viewer, preview, plan.look);
     let job = Job { args, document: &document, plan: &plan, stage: &stage, camera: &camera, target, parse_s };
     match (transport, args.picture.wavelengths()) {
-        (Transport::Rgb, _) => job.render::<Rgb>(),
-        (Transport::Spectral, 4) => job.render::<Spectral<4>>(),
-        (Transport::Spectral, 16) => job.render::<Spectral<16>>(),
-        (Transport::Spectral, _) => job.render::<Spectral<8>>(),
+        (Transport::Rgb, _) => job.render::<Rgb>(shows),
+        (Transport::Spectral, 4) => job.render::<Spectral<4>>(shows),
+        (Transport::Spectral, 16) => job.render::<Spectral<16>>(shows),
+        (Transport::Spectral, _) => job.render::<Spectral<8>>(shows),
     }
 }
 
@@ -275,7 +290,7 @@ struct Job<'a> {
 }
 
 impl Job<'_> {
-    fn render<M: Mode>(&self) -> Result<(), Error> {
+    fn render<M: Mode>(&self, shows: Shows) -> Result<(), Error> {
         let Self { args, document, plan, .. } = self;
         let samples = args.sampling.range(plan.render.spp)?;
         let prepared = still::prepare::<M>(document, plan, self.stage, self.camera)?;
@@ -293,16 +308,18 @@ impl Job<'_> {
         };
         let camera = &prepared.camera;
         let mut sums = earlier.unwrap_or_else(|| Accumulation::cropped(camera.size, camera.window(), samples));
-        let left = sums.samples.len() as u64 - u64::from(sums.spp());
-        let progress = Progress::new(args.talk.style(), sums.pixels() * left, signal.clone());
-        match (&saver, args.sampling.checkpoint()) {
-            (Some(saver), Some(every)) => saver.accumulate(&mut sums, every, &progress)?,
-            _ => prepared.accumulate(plan, &mut sums, &progress)?,
-        }
+        let (limit, start) = args.stops.limit(&sums);
+        let progress = Progress::new(args.talk.style(), &sums, (limit.time_s, plan.render.noise), signal.clone());
+        let live = Live::new(&progress, shows, |line| args.talk.inform(line));
+        let limited = Limited { watch: &live, limit, start };
+        let whole = match (&saver, args.sampling.checkpoint()) {
+            (Some(saver), Some(every)) => saver.accumulate(&mut sums, every, &limited)?,
+            _ => prepared.accumulate(plan, &mut sums, &limited)?,
+        };
         progress.finish();
 
-        let stopped = self.stopped(saver.as_ref(), &signal, &sums);
-        if !sums.is_complete() && (saver.is_some() || sums.spp() == 0) {
+        let stopped = if whole { Ok(()) } else { self.stopped(saver.as_ref(), &signal, &sums) };
+        if !whole && (self.target == Target::Part || sums.spp() == 0) {
             return stopped;
         }
         if let (Some(saver), Target::Part) = (&saver, self.target) {
@@ -315,7 +332,7 @@ impl Job<'_> {
             let (written, write_s) = still::write(&args.output, format, &picture, plan.look)?;
             stats.finish(&written, write_s);
         }
-        if let Some(saver) = &saver {
+        if let Some(saver) = saver.as_ref().filter(|_| whole) {
             saver.forget();
         }
         if let Some(path) = &args.stats {
@@ -350,9 +367,6 @@ impl Job<'_> {
         signal: &AtomicUsize,
         sums: &Accumulation,
     ) -> Result<(), Error> {
-        if sums.is_complete() {
-            return Ok(());
-        }
         let signal = signal.load(Ordering::Relaxed) as i32;
         let name = if signal == SIGINT { "SIGINT" } else { "SIGTERM" };
         let (done, wanted) = (sums.spp(), sums.samples.len() as u32);
@@ -450,24 +464,11 @@ impl PictureArgs {
                     },
                 },
                 clamp: self.clamp,
+                noise: None,
             },
             look: self.file.look(self.exposure.or(hints.exposure_ev).unwrap_or(0.0)),
             aovs: self.file.aovs(),
             max_memory: self.max_memory,
         }
     }
-}
-
-/// The number of the signal that asked the program to end, 0 until then. A second one ends it at once.
-pub fn signals() -> Arc<AtomicUsize> {
-    let signal = Arc::new(AtomicUsize::new(0));
-    let armed = Arc::new(std::sync::atomic::AtomicBool::new(false));
-    for number in [SIGINT, SIGTERM] {
-        // The order matters: the shutdown looks at the flag before the first signal sets it.
-        let code = 128 + number;
-        let _ = signal_hook::flag::register_conditional_shutdown(number, code, armed.clone());
-        let _ = signal_hook::flag::register(number, armed.clone());
-        let _ = signal_hook::flag::register_usize(number, signal.clone(), number as usize);
-    }
-    signal
 }

@@ -74,6 +74,6 @@ fn parse_range(text: &str) -> Result<Range<u32>, String> {
     }
 }
 
-fn parse_interval(text: &str) -> Result<Duration, String> {
+pub fn parse_interval(text: &str) -> Result<Duration, String> {
     Duration::try_from_secs_f64(parse_duration(text)?).map_err(|error| error.to_string())
 }

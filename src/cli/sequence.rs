@@ -11,11 +11,13 @@ use signal_hook::consts::SIGINT;
 
 use super::batch_progress::BatchProgress;
 use super::print;
-use super::render::{PictureArgs, TalkArgs, signals};
+use super::render::{PictureArgs, TalkArgs};
 use super::scene_args::SceneArgs;
+use super::stops::{DisplayArgs, signals};
 use crate::batch::budget::Budget;
 use crate::batch::encode::{EncodePlan, Footage, Target};
 use crate::batch::frames::{FrameList, Pattern};
+use crate::batch::live::{Live, Shows};
 use crate::batch::record::Record;
 use crate::batch::resume;
 use crate::batch::sequence::{Loading, Motion, Sequence, SequencePlan, Staged};
@@ -29,7 +31,7 @@ use crate::output::{self, Format};
 use crate::study::report;
 
 /// Samples per pixel where time or noise end a frame and nobody says how many there may be.
-const MOST_SPP: u32 = 1 << 16;
+pub const MOST_SPP: u32 = 1 << 16;
 
 #[derive(Args)]
 pub struct SequenceArgs {
@@ -63,12 +65,14 @@ pub struct SequenceArgs {
     /// Share this time among all frames, so that they look alike, like `2h`
     #[arg(long, value_name = "TIME", value_parser = parse_duration, help_heading = "Batch")]
     total_time: Option<f64>,
+    #[command(flatten)]
+    display: DisplayArgs,
     /// Where the report goes: a folder, or the beginning of its files' names [default: `frames` beside the frames]
     #[arg(long, value_name = "DIR|BASE", help_heading = "Batch")]
     report: Option<PathBuf>,
 }
 
-fn parse_positive(text: &str) -> Result<f64, String> {
+pub fn parse_positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(number) if number > 0.0 && number.is_finite() => Ok(number),
         _ => Err("write a number greater than 0".to_owned()),
@@ -152,6 +156,7 @@ struct Rest<'a> {
     suffix: String,
     video: Option<(PathBuf, Target)>,
     fps: f64,
+    shows: Shows,
 }
 
 impl<'a> Work<'a> {
@@ -213,6 +218,7 @@ impl<'a> Work<'a> {
             suffix: self.suffix,
             video,
             fps: self.args.fps,
+            shows: Shows::default(),
         };
         if rest.todo.0.is_empty() {
             rest.report(Vec::new())?;
@@ -228,6 +234,7 @@ impl<'a> Work<'a> {
         let stage = Arc::new(stage);
         let transport = self.picture.transport(&self.document, &self.still, &stage, &camera, self.talk)?;
         let loading = Loading { parse_s: self.parse_s, pilot_s: pilot.elapsed().as_secs_f64() };
+        rest.shows.viewer = self.args.display.open(&self.pattern.to_string(), camera.window().size())?;
         let plan = SequencePlan {
             pattern: self.pattern,
             format: self.format,
@@ -274,12 +281,14 @@ impl Rest<'_> {
         self.talk.inform(&sequence.summary());
         let count = self.todo.0.len();
         let progress = BatchProgress::new(self.talk.style(), count, signal.clone());
+        let talk = self.talk;
+        let live = Live::new(&progress, std::mem::take(&mut self.shows), |line| talk.inform(line));
         let mut thumbnails = Vec::new();
         let mut stopped = None;
         for (number, &frame) in self.todo.0.iter().enumerate() {
             progress.begin(frame);
             let left = count - number;
-            let Some(done) = (if is_set(&signal) { None } else { sequence.render(frame, left, &progress)? }) else {
+            let Some(done) = (if is_set(&signal) { None } else { sequence.render(frame, left, &live)? }) else {
                 stopped = Some(left);
                 break;
             };

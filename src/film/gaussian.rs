@@ -91,7 +91,8 @@ impl Gaussian {
         Ok(film)
     }
 
-    #[inline]
+    /// Never inlined: its many registers would be saved for every look-up in a table, too.
+    #[inline(never)]
     pub(super) fn split(&self, side: Side, cos_i: f32, thickness_nm: f32) -> Split<[f32; 3]> {
         let mut mu = cos_i.abs();
         if side != self.rare {

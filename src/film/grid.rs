@@ -16,95 +16,85 @@ pub(super) struct Grid<const K: usize> {
     span: f32,
 }
 
-/// A place on a thickness axis: between `row` and `row + 1`.
+/// A place on a thickness axis.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
-    row: u32,
-    t: f32,
+pub(super) enum Place {
+    /// The one row of an axis that has no other.
+    Only,
+    /// The share `t` of the way from a row to the next.
+    Between { row: u32, t: f32 },
 }
 
 impl Place {
-    /// The first row.
-    pub(super) fn first() -> Self {
-        Self { row: 0, t: 0.0 }
-    }
-
     /// Linear interpolation of a value per row.
     #[inline(always)]
     pub(super) fn between(self, value: impl Fn(usize) -> [f32; 3]) -> [f32; 3] {
-        let low = value(self.row as usize);
-        if self.t == 0.0 {
-            return low;
-        }
-        let high = value(self.row as usize + 1);
-        std::array::from_fn(|i| low[i] + self.t * (high[i] - low[i]))
+        let Self::Between { row, t } = self else { return value(0) };
+        let (low, high) = (value(row as usize), value(row as usize + 1));
+        std::array::from_fn(|i| low[i] + t * (high[i] - low[i]))
     }
 }
 
-/// Thickness nodes in runs of equal spacing, each run wider than the one before: fringes fade as the path difference grows
-/// past the coherence of the eye's own channels, about 10 um.
-#[derive(Clone, Debug)]
-pub(super) struct Axis {
-    runs: Vec<Run>,
-    rows: u32,
-}
-
+/// Thickness nodes in up to [`RUNS`] runs of equal spacing, each run wider than the one before: fringes fade as the path
+/// difference grows past the coherence of the eye's own channels, about 10 um. Together in vectors, so that a place is found
+/// without a branch; runs that are not used have no length.
 #[derive(Clone, Copy, Debug)]
-struct Run {
-    first_nm: f32,
-    per_nm: f32,
-    first_row: u32,
-    last_row: u32,
-    /// Last row - first row.
+pub(super) struct Axis {
+    first_nm: Vec4,
+    length_nm: Vec4,
+    per_nm: Vec4,
+    /// Rows - 1.
     span: f32,
 }
+
+const RUNS: usize = 4;
 
 impl Axis {
     /// One row: the thickness does not vary.
     pub(super) fn point() -> Self {
-        Self { runs: Vec::new(), rows: 1 }
+        Self { first_nm: Vec4::ZERO, length_nm: Vec4::ZERO, per_nm: Vec4::ZERO, span: 0.0 }
     }
 
-    /// Consecutive runs of (first nm, last nm, spacing nm); spacings are shrunk to fit.
+    /// Consecutive runs of (first nm, last nm, spacing nm), at most [`RUNS`]; spacings are shrunk to fit.
     pub(super) fn new(spans: &[(f64, f64, f64)]) -> Self {
-        let (mut runs, mut row) = (Vec::new(), 0);
-        for &(first, last, spacing) in spans {
+        let mut axis = Self::point();
+        for (run, &(first, last, spacing)) in spans.iter().take(RUNS).enumerate() {
             let intervals = ((last - first) / spacing).ceil().max(1.0);
-            let last_row = row + intervals as u32;
-            runs.push(Run {
-                first_nm: first as f32,
-                per_nm: (intervals / (last - first)) as f32,
-                first_row: row,
-                last_row,
-                span: intervals as f32,
-            });
-            row = last_row;
+            axis.first_nm[run] = first as f32;
+            axis.length_nm[run] = (last - first) as f32;
+            axis.per_nm[run] = (intervals / (last - first)) as f32;
+            axis.span += intervals as f32;
         }
-        Self { runs, rows: row + 1 }
+        axis
     }
 
     pub(super) fn rows(&self) -> usize {
-        self.rows as usize
+        self.span as usize + 1
     }
 
     /// The thickness of a row in nm; `constant_nm` on a single-row axis.
     pub(super) fn thickness_nm(&self, row: usize, constant_nm: f64) -> f64 {
-        match self.runs.iter().find(|run| row <= run.last_row as usize) {
-            Some(run) => f64::from(run.first_nm) + (row - run.first_row as usize) as f64 / f64::from(run.per_nm),
-            None => constant_nm,
+        let mut row = row as f64;
+        for run in 0..RUNS {
+            let [first_nm, length_nm, per_nm] = [self.first_nm, self.length_nm, self.per_nm].map(|v| f64::from(v[run]));
+            let intervals = (length_nm * per_nm).round();
+            if intervals > 0.0 && row <= intervals {
+                return first_nm + row / per_nm;
+            }
+            row -= intervals;
         }
+        constant_nm
     }
 
     #[inline(always)]
     pub(super) fn place(&self, thickness_nm: f32) -> Place {
-        let Some(mut run) = self.runs.first() else { return Place::first() };
-        for next in &self.runs[1..] {
-            if thickness_nm >= next.first_nm {
-                run = next;
-            }
+        if self.span == 0.0 {
+            return Place::Only;
         }
-        let (low, t) = cell((thickness_nm - run.first_nm) * run.per_nm, run.span);
-        Place { row: run.first_row + low, t }
+        // Runs before the thickness count whole, those after it not at all.
+        let within_nm = (Vec4::splat(thickness_nm) - self.first_nm).max(Vec4::ZERO).min(self.length_nm);
+        let (row, t) = cell(within_nm.dot(self.per_nm), self.span);
+        Place::Between { row, t }
     }
 }
 
@@ -159,12 +149,9 @@ impl<const K: usize> Grid<K> {
     #[inline(always)]
     pub(super) fn at(&self, u: f32, place: Place) -> [Vec4; K] {
         let (low, s) = cell(u * self.span, self.span);
-        let start = (place.row * self.columns + low) as usize;
-        let below = pair(&self.nodes, start, s);
-        if place.t == 0.0 {
-            return below;
-        }
-        mix(below, pair(&self.nodes, start + self.columns as usize, s), place.t)
+        let Place::Between { row, t } = place else { return pair(&self.nodes, low as usize, s) };
+        let start = (row * self.columns + low) as usize;
+        mix(pair(&self.nodes, start, s), pair(&self.nodes, start + self.columns as usize, s), t)
     }
 
     pub(super) fn bytes(&self) -> usize {
@@ -186,5 +173,10 @@ fn pair<const K: usize>(nodes: &[[Vec4; K]], start: usize, s: f32) -> [Vec4; K] 
 
 #[inline(always)]
 fn mix<const K: usize>(a: [Vec4; K], b: [Vec4; K], t: f32) -> [Vec4; K] {
-    std::array::from_fn(|k| a[k] + t * (b[k] - a[k]))
+    // Fused where the processor can: elsewhere a fused product is a slow library call.
+    if cfg!(target_feature = "fma") {
+        std::array::from_fn(|k| (b[k] - a[k]).mul_add(Vec4::splat(t), a[k]))
+    } else {
+        std::array::from_fn(|k| a[k] + t * (b[k] - a[k]))
+    }
 }

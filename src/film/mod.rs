@@ -20,7 +20,7 @@ mod three_wave;
 
 pub use exact::exact;
 pub use ladder::{Rung, Trial, Verdict, choose};
-pub use profile::{HATS, Profile, RgbProfile, SpectralProfile, hat_means, hats};
+pub use profile::{Profile, RgbProfile, SpectralProfile, TERMS, term_means, terms};
 pub use rgb::RgbFilm;
 pub use spectral::{SpectralFilm, spectral};
 pub use stack::{Layer, Polarised, Range, Side, Split, Stack};

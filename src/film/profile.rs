@@ -2,8 +2,10 @@
 //! expansion of T replaces an integral over facets by a short sum.
 //!
 //! T is expanded over the cosine of the *rarer* side, in which it is the same from both sides and never cut off by total
-//! reflection: the least-squares fit by hats at even steps of u = sqrt(mu).
+//! reflection: in Chebyshev polynomials of 2 u - 1, u = sqrt(mu), which follow smooth fringes to far more digits than as many
+//! straight pieces would.
 
+use std::f64::consts::PI;
 use std::sync::LazyLock;
 
 use super::grid::Axis;
@@ -13,8 +15,8 @@ use super::spectral::SpectralFilm;
 use super::stack::{Range, Side, Split, Stack};
 use super::table::thickness_axis;
 
-/// Hats of the expansion.
-pub const HATS: usize = 12;
+/// Terms of the expansion.
+pub const TERMS: usize = 16;
 
 /// Angles at which T is sampled for the fit.
 const SAMPLES: usize = 44;
@@ -22,31 +24,38 @@ const SAMPLES: usize = 44;
 /// What an interface transmits over angle, and what its layers absorb.
 #[derive(Clone, Copy, Debug)]
 pub struct Profile<L> {
-    /// Heights of the hats ([`hats`]).
-    pub transmit: [L; HATS],
+    /// Factors of the polynomials ([`terms`]).
+    pub transmit: [L; TERMS],
     /// Share absorbed of light from everywhere, from outside and from inside.
     pub absorbed: [L; 2],
 }
 
-/// Values of two adjacent hats, the first of them `.0`, at a cosine in the rarer medium; all others are 0.
+/// The polynomials at a cosine in the rarer medium.
 #[inline]
-pub fn hats(mu: f32) -> (usize, [f32; 2]) {
-    let x = mu.clamp(0.0, 1.0).sqrt() * (HATS - 1) as f32;
-    let low = (x as usize).min(HATS - 2);
-    let t = x - low as f32;
-    (low, [1.0 - t, t])
+pub fn terms(mu: f32) -> [f32; TERMS] {
+    polynomials(2.0 * mu.clamp(0.0, 1.0).sqrt() - 1.0)
 }
 
-/// 2 * integral of each hat times mu dmu: weights of the mean transmittance of light from everywhere.
-pub fn hat_means() -> &'static [f32; HATS] {
-    static MEANS: LazyLock<[f32; HATS]> = LazyLock::new(|| {
+#[inline]
+fn polynomials(x: f32) -> [f32; TERMS] {
+    let mut values = [1.0, x, 0.0];
+    std::array::from_fn(|term| {
+        if term >= 2 {
+            values = [values[1], 2.0 * x * values[1] - values[0], 0.0];
+        }
+        values[term.min(1)]
+    })
+}
+
+/// 2 * integral of each polynomial times mu dmu: weights of the mean transmittance of light from everywhere.
+pub fn term_means() -> &'static [f32; TERMS] {
+    static MEANS: LazyLock<[f32; TERMS]> = LazyLock::new(|| {
         const STEPS: usize = 4096;
-        let mut means = [0.0; HATS];
+        let mut means = [0.0f64; TERMS];
         for step in 0..STEPS {
             let mu = (step as f64 + 0.5) / STEPS as f64;
-            let (low, values) = hats(mu as f32);
-            for (i, value) in values.into_iter().enumerate() {
-                means[low + i] += 2.0 * mu * f64::from(value) / STEPS as f64;
+            for (mean, value) in means.iter_mut().zip(terms(mu as f32)) {
+                *mean += 2.0 * mu * f64::from(value) / STEPS as f64;
             }
         }
         means.map(|mean| mean as f32)
@@ -54,50 +63,28 @@ pub fn hat_means() -> &'static [f32; HATS] {
     &MEANS
 }
 
-/// Cosine of a sample.
-fn cosine(sample: usize) -> f32 {
-    ((sample as f32 + 0.5) / SAMPLES as f32).powi(2)
-}
-
-/// Least-squares fit: heights = `fit` times samples.
-fn fit() -> &'static [[f32; HATS]; SAMPLES] {
-    static FIT: LazyLock<[[f32; HATS]; SAMPLES]> = LazyLock::new(|| {
-        // The normal equations of hats are tridiagonal (Thomas' algorithm), with one right side per sample.
-        let values: [[f64; HATS]; SAMPLES] = std::array::from_fn(|sample| {
-            let mut row = [0.0; HATS];
-            let (low, pair) = hats(cosine(sample));
-            row[low] = f64::from(pair[0]);
-            row[low + 1] = f64::from(pair[1]);
-            row
-        });
-        let product = |i: usize, j: usize| values.iter().map(|row| row[i] * row[j]).sum::<f64>();
+/// Where the fit samples: a cosine, and what its sample adds to each factor. The nodes of Chebyshev's polynomials, on which
+/// these are orthogonal.
+fn fit() -> &'static [(f32, [f32; TERMS]); SAMPLES] {
+    static FIT: LazyLock<[(f32, [f32; TERMS]); SAMPLES]> = LazyLock::new(|| {
         std::array::from_fn(|sample| {
-            let mut right = values[sample];
-            let mut diagonal: [f64; HATS] = std::array::from_fn(|i| product(i, i));
-            for i in 1..HATS {
-                let off = product(i - 1, i);
-                let factor = off / diagonal[i - 1];
-                diagonal[i] -= factor * off;
-                right[i] -= factor * right[i - 1];
-            }
-            for i in (0..HATS).rev() {
-                let after = if i + 1 < HATS { product(i, i + 1) * right[i + 1] } else { 0.0 };
-                right[i] = (right[i] - after) / diagonal[i];
-            }
-            right.map(|height| height as f32)
+            let angle = PI * (sample as f64 + 0.5) / SAMPLES as f64;
+            let weight = |term: usize| if term == 0 { 1.0 } else { 2.0 * (term as f64 * angle).cos() };
+            let u = 0.5 * (1.0 + angle.cos());
+            ((u * u) as f32, std::array::from_fn(|term| (weight(term) / SAMPLES as f64) as f32))
         })
     });
     &FIT
 }
 
-/// A profile as a table holds it: heights, then absorbed shares.
-const CELL: usize = HATS + 2;
+/// A profile as a table holds it: factors, then absorbed shares.
+const CELL: usize = TERMS + 2;
 
 impl<L: Copy> Profile<L> {
     /// From the entries of one cell.
     #[inline]
     fn new(entry: impl Fn(usize) -> L) -> Self {
-        Self { transmit: std::array::from_fn(&entry), absorbed: [entry(HATS), entry(HATS + 1)] }
+        Self { transmit: std::array::from_fn(&entry), absorbed: [entry(TERMS), entry(TERMS + 1)] }
     }
 
     #[inline]
@@ -108,10 +95,10 @@ impl<L: Copy> Profile<L> {
     #[inline]
     pub fn zip<R: Copy, T: Copy>(self, other: Profile<R>, f: impl Fn(L, R) -> T) -> Profile<T> {
         let entry = |i: usize| {
-            if i < HATS {
+            if i < TERMS {
                 f(self.transmit[i], other.transmit[i])
             } else {
-                f(self.absorbed[i - HATS], other.absorbed[i - HATS])
+                f(self.absorbed[i - TERMS], other.absorbed[i - TERMS])
             }
         };
         Profile::new(entry)
@@ -122,23 +109,22 @@ impl<L: Copy> Profile<L> {
 fn cells<const W: usize>(stack: &Stack, split: impl Fn(Side, f32) -> Split<[f32; W]>) -> [[f32; CELL]; W] {
     let (rare, lossless) = (stack.rarer_side(), stack.lossless_layers());
     let mut cells = [[0.0; CELL]; W];
-    for (sample, weights) in fit().iter().enumerate() {
-        let mu = cosine(sample);
-        let transmit = split(rare, mu).transmit;
+    for (mu, weights) in fit() {
+        let transmit = split(rare, *mu).transmit;
         for (cell, transmit) in cells.iter_mut().zip(transmit) {
-            for (height, weight) in cell.iter_mut().zip(weights) {
-                *height += weight * transmit;
+            for (factor, weight) in cell.iter_mut().zip(weights) {
+                *factor += weight * transmit;
             }
         }
         if lossless {
             continue;
         }
-        // mu = u^2, so 2 mu dmu = 4 u^3 du.
-        let weight = 4.0 * mu * mu.sqrt() / SAMPLES as f32;
+        // The mean of the fit, which is linear in its samples.
+        let weight: f32 = weights.iter().zip(term_means()).map(|(weight, mean)| weight * mean).sum();
         for (i, side) in [Side::Outside, Side::Inside].into_iter().enumerate() {
-            let split = split(side, mu);
+            let split = split(side, *mu);
             for (lane, cell) in cells.iter_mut().enumerate() {
-                cell[HATS + i] += weight * (1.0 - split.reflect[lane] - split.transmit[lane]).max(0.0);
+                cell[TERMS + i] += weight * (1.0 - split.reflect[lane] - split.transmit[lane]).max(0.0);
             }
         }
     }

@@ -122,6 +122,8 @@ impl Table {
         match &self.form {
             // Nothing travels inside a metal.
             Form::Lossless { opaque: true, .. } | Form::OneSided(_) => TOTAL,
+            // Between equal media the cosine is its own conjugate.
+            Form::Lossless { grid, .. } if self.ratio == 1.0 => lossless(grid, mu, place),
             Form::Lossless { .. } if square <= 0.0 => TOTAL,
             Form::Lossless { grid, .. } => lossless(grid, square.sqrt(), place),
             Form::TwoSided { beyond, .. } if square <= 0.0 => {
@@ -203,7 +205,7 @@ fn refine<const K: usize>(
     while grid.columns() < columns[1] {
         let finer = grid.refined(&value);
         let midpoint = |i: usize| (2 * i + 1) as f32 / (finer.columns() - 1) as f32;
-        let error = |u: f32| delta_e_2000(color(grid.at(u, Place::first())), color(finer.at(u, Place::first())));
+        let error = |u: f32| delta_e_2000(color(grid.at(u, Place::Only)), color(finer.at(u, Place::Only)));
         let worst = (0..grid.columns() - 1).map(|i| error(midpoint(i))).fold(0.0, f64::max);
         // Kept in any case: it is paid for.
         grid = finer;

@@ -18,7 +18,8 @@ impl ThreeWave {
         Self { film: spectral(stack, range) }
     }
 
-    #[inline]
+    /// Never inlined: its many registers would be saved for every look-up in a table, too.
+    #[inline(never)]
     pub(super) fn split(&self, side: Side, cos_i: f32, thickness_nm: f32) -> Split<[f32; 3]> {
         let split = self.film.split(side, cos_i, thickness_nm, &NM);
         Split { reflect: channels(split.reflect), transmit: channels(split.transmit) }

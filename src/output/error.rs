@@ -22,6 +22,10 @@ pub enum OutputError {
         "videos are made by ffmpeg, but {program} cannot be run: install it with `apt-get install ffmpeg` (an animated .png needs none)"
     )]
     NoFfmpeg { program: &'static str },
+    #[error(
+        "no viewer at {address}: {source}; start tev there first (it listens at 127.0.0.1:14158), or leave out --display"
+    )]
+    Viewer { address: String, source: io::Error },
     #[error("cannot read {}: {reason}", path.display())]
     Damaged { path: PathBuf, reason: String },
 }

@@ -13,6 +13,7 @@ mod notes;
 mod part;
 mod picture;
 mod png;
+mod tev;
 mod video;
 
 pub use apng::write_apng;
@@ -25,6 +26,7 @@ pub use notes::note;
 pub use part::{PartBlock, PartReader, write_part};
 pub use picture::{Crop, Format, HeaderValue, Layer, LayerKind, PIXEL_ASPECT, Picture, Written};
 pub use png::{PngDepth, write_png};
+pub use tev::Viewer;
 pub use video::{Container, VideoPlan, check_ffmpeg, write_video};
 
 use std::path::Path;

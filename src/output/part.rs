@@ -5,10 +5,10 @@
 //!
 //! | bytes | what |
 //! |---|---|
-//! | 16 | `pellicle part 1\n` |
+//! | 16 | `pellicle part 2\n` |
 //! | 8 | length of the header |
 //! | that many | the header, JSON |
-//! | blocks | pixels (u32; 0 ends the list), next (u32), then for each of six columns its width (u8: 0 to 16) and all pixels' values, two's complement, in that many bytes |
+//! | blocks | pixels (u32; 0 ends the list), next (u32), then for each of six columns its width (u8: 0 to 16) and all pixels' values, two's complement, in that many bytes; then the length of a note (u32) and the note |
 //! | 32 | SHA-256 of everything before |
 //!
 //! A column is as wide as its largest value needs: a quarter less than 64 bits for usual pictures, and no limit at 64.
@@ -22,17 +22,21 @@ use sha2::{Digest, Sha256};
 use super::atomic::Temporary;
 use super::error::OutputError;
 
-const MAGIC: &[u8; 16] = b"pellicle part 1\n";
+const MAGIC: &[u8; 16] = b"pellicle part 2\n";
 /// No header of ours comes near; a larger one is damage.
 const LARGEST_HEADER: u64 = 1 << 26;
 /// Nor a block.
 const LARGEST_BLOCK: u32 = 1 << 20;
+/// Nor its note.
+const LARGEST_NOTE: u32 = 1 << 24;
 
 /// Some neighbouring pixels' sums.
 pub struct PartBlock {
     /// The sample index that these pixels go on with.
     pub next: u32,
     pub values: Vec<[i128; 6]>,
+    /// What else is needed to go on, in a form of the writer's own.
+    pub note: Vec<u8>,
 }
 
 /// Writes a part, whole or not at all.
@@ -59,6 +63,8 @@ pub fn write_part(path: &Path, header: &str, blocks: impl Iterator<Item = PartBl
                 }
                 file.write_all(&bytes)?;
             }
+            file.write_all(&(block.note.len() as u32).to_le_bytes())?;
+            file.write_all(&block.note)?;
         }
         file.write_all(&0u32.to_le_bytes())?;
         let digest = file.hash.finalize_reset();
@@ -134,7 +140,13 @@ impl PartReader {
                 }
             }
         }
-        Ok(Some(PartBlock { next, values }))
+        let length = self.number()?;
+        if length > LARGEST_NOTE {
+            return Err(io::ErrorKind::InvalidData.into());
+        }
+        let mut note = vec![0; length as usize];
+        self.file.read_exact(&mut note)?;
+        Ok(Some(PartBlock { next, values, note }))
     }
 
     fn number(&mut self) -> io::Result<u32> {

@@ -2,9 +2,11 @@
 
 use std::ops::Range;
 
+use super::adaptive;
+use super::doublings::Doublings;
 use super::frame::Frame;
-use super::noise;
-use super::sums::{Sums, Totals, estimate};
+use super::noise::Noise;
+use super::sums::{Sums, Totals};
 use super::tile::Tile;
 use crate::integrate::Tally;
 use crate::scene::Window;
@@ -32,9 +34,11 @@ pub struct Accumulation {
 
 /// The sums of neighbouring pixels, as they are stored in files.
 pub struct Block {
-    /// The sample index that each of these pixels goes on with.
+    /// The sample index that each of these pixels goes on with, and up to which they have been decided to go.
     pub next: u32,
+    pub goal: u32,
     pub totals: Vec<Totals>,
+    pub doublings: Doublings,
 }
 
 impl Accumulation {
@@ -44,7 +48,7 @@ impl Accumulation {
 
     /// Of a part of the picture, whose pixels get the bits that they have in the whole.
     pub fn cropped(size: [u32; 2], window: Window, samples: Range<u32>) -> Self {
-        let tiles = Tile::grid(size, &window, samples.start);
+        let tiles = Tile::grid(size, &window, samples.clone());
         Self { size, window, samples, tiles, tally: Tally::default(), threads: 0, render_s: 0.0, render_cpu_s: 0.0 }
     }
 
@@ -65,11 +69,37 @@ impl Accumulation {
 
     /// As [`Frame::noise`], for the picture as it is now.
     pub fn noise(&self) -> f64 {
-        let of_tile = |tile: &'_ Tile| {
-            let spp = tile.next - self.samples.start;
-            (0..tile.sums.len()).map(|index| estimate(&tile.sums.get(index), spp)).collect::<Vec<_>>()
-        };
-        noise::of_picture(self.tiles.iter().flat_map(of_tile))
+        Noise::of(&self.tiles, self.samples.start).of_picture(&self.tiles)
+    }
+
+    /// Samples of all pixels together.
+    pub fn total(&self) -> u64 {
+        self.tiles.iter().map(|tile| u64::from(tile.next - self.samples.start) * tile.sums.len() as u64).sum()
+    }
+
+    /// Whether there is something to render, after deciding how far tiles go where it is to stop at a `noise`.
+    pub(super) fn wants_more(&mut self, noise: Option<f64>) -> bool {
+        let Range { start, end } = self.samples;
+        let Some(noise) = noise else { return self.is_on_its_way() };
+        if self.tiles.iter().all(|tile| tile.next == start) {
+            let goal = end.min(start + adaptive::LEAST_SPP);
+            self.tiles.iter_mut().for_each(|tile| tile.goal = goal);
+        }
+        self.is_on_its_way() || adaptive::set_goals(&mut self.tiles, start, end, noise)
+    }
+
+    /// Some tile has not reached its goal.
+    pub(super) fn is_on_its_way(&self) -> bool {
+        self.tiles.iter().any(|tile| tile.next < tile.goal)
+    }
+
+    /// Samples that tiles are to be behind their goals after a pass of `count` samples per pixel: those that are furthest
+    /// behind go first, and no pass leaps over a power of two, where doublings are looked at.
+    pub(super) fn behind(&self, count: u32) -> u32 {
+        let Some(last) = self.tiles.iter().max_by_key(|tile| tile.goal - tile.next) else { return 0 };
+        let done = last.next - self.samples.start;
+        let doubled = (done + 1).next_power_of_two();
+        (last.goal - last.next).saturating_sub(count.min(doubled - done))
     }
 
     /// Everything that it is to hold is there.
@@ -81,7 +111,9 @@ impl Accumulation {
     pub fn blocks(&self) -> impl Iterator<Item = Block> + '_ {
         self.tiles.iter().map(|tile| Block {
             next: tile.next,
+            goal: tile.goal,
             totals: (0..tile.sums.len()).map(|index| tile.sums.get(index)).collect(),
+            doublings: tile.doublings.clone(),
         })
     }
 
@@ -90,11 +122,12 @@ impl Accumulation {
     pub fn restore(&mut self, blocks: &mut dyn Iterator<Item = Block>) -> Result<(), String> {
         let Range { start, end } = self.samples;
         self.zip(blocks, |tile, block| {
-            if !(start..=end).contains(&block.next) {
+            if !(start..=end).contains(&block.next) || !(block.next..=end).contains(&block.goal) {
                 return Err(format!("it holds samples up to {}, beyond {start}:{end}", block.next));
             }
-            tile.next = block.next;
+            (tile.next, tile.goal) = (block.next, block.goal);
             tile.sums = Sums::from_totals(block.totals);
+            tile.doublings = block.doublings;
             Ok(())
         })
     }
@@ -131,22 +164,49 @@ impl Accumulation {
         }
     }
 
+    /// Mean radiance per pixel as it is now, row by row from the upper left, linear sRGB.
+    pub fn rgb(&self) -> Vec<[f32; 3]> {
+        let mut rgb = vec![[0.0; 3]; self.window.width as usize * self.window.height as usize];
+        for tile in &self.tiles {
+            for pixel in 0..tile.sums.len() {
+                let Some(index) = self.window.index_of(tile.place(pixel as u32)) else { continue };
+                let channels = tile.sums.estimate(pixel, tile.next - self.samples.start);
+                rgb[index] = channels.map(|(mean, _)| mean as f32);
+            }
+        }
+        rgb
+    }
+
     /// The picture.
     pub fn into_frame(self) -> Frame {
-        let Window { width, height, .. } = self.window;
-        let count = width as usize * height as usize;
-        let mut rgb = vec![[0.0; 3]; count];
-        let mut variance = vec![[0.0; 3]; count];
-        let spp = self.spp();
-        for tile in self.tiles {
-            for i in 0..tile.sums.len() {
-                let Some(index) = self.window.index_of(tile.place(i as u32)) else { continue };
-                let channels = estimate(&tile.sums.get(i), tile.next - self.samples.start);
-                rgb[index] = channels.map(|(mean, _)| mean as f32);
+        let (rgb, spp, total) = (self.rgb(), self.spp(), self.total());
+        let noise = Noise::of(&self.tiles, self.samples.start);
+        let (noise, noise_p95) = (noise.of_picture(&self.tiles), noise.p95(&self.tiles, self.samples.start));
+        let mut variance = vec![[0.0; 3]; rgb.len()];
+        for tile in &self.tiles {
+            for pixel in 0..tile.sums.len() {
+                let Some(index) = self.window.index_of(tile.place(pixel as u32)) else { continue };
+                let channels = tile.sums.estimate(pixel, tile.next - self.samples.start);
                 variance[index] = channels.map(|(_, variance)| variance as f32);
             }
         }
         let Self { size, window, tally, threads, render_s, render_cpu_s, .. } = self;
-        Frame { width, height, size, window, spp, rgb, variance, tally, threads, render_s, render_cpu_s }
+        let Window { width, height, .. } = window;
+        Frame {
+            width,
+            height,
+            size,
+            window,
+            spp,
+            total,
+            rgb,
+            variance,
+            noise,
+            noise_p95,
+            tally,
+            threads,
+            render_s,
+            render_cpu_s,
+        }
     }
 }

@@ -2,7 +2,6 @@
 
 use sha2::{Digest, Sha256};
 
-use super::noise;
 use crate::integrate::Tally;
 use crate::scene::Window;
 
@@ -13,11 +12,19 @@ pub struct Frame {
     /// The whole picture's, and where in it this is.
     pub size: [u32; 2],
     pub window: Window,
-    /// Samples that every pixel has; where the render was stopped, some have a few more.
+    /// Samples that every pixel has; where the render was stopped, or its samples went where they help most, some have more.
     pub spp: u32,
+    /// Samples of all pixels together.
+    pub total: u64,
     pub rgb: Vec<[f32; 3]>,
-    /// Variance of each pixel's mean, per channel; infinite below two samples.
+    /// Variance of each pixel's mean, per channel, as if its samples were independent; infinite below two samples.
     pub variance: Vec<[f32; 3]>,
+    /// Estimated error of the picture: root mean square of the standard errors of its pixels' luminances, over their mean
+    /// (`doublings.rs`). Infinite below two samples.
+    pub noise: f64,
+    /// The relative standard error that 95 % of the pixels stay below, each with the error of its surroundings against its
+    /// own luminance or a tenth of the picture's mean, whichever is more.
+    pub noise_p95: f64,
     pub tally: Tally,
     pub threads: usize,
     /// Wall and user + system seconds of rendering alone.
@@ -26,23 +33,9 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// Estimated error of the picture: root mean square of the standard errors of its pixels' luminances, over their mean.
-    /// Samples count as independent; as they are stratified, the true error is lower. Infinite below two samples.
-    pub fn noise(&self) -> f64 {
-        noise::of_picture(self.estimates())
-    }
-
-    /// The relative standard error that 95 % of the pixels stay below, each against its own luminance or a tenth of the
-    /// picture's mean, whichever is more.
-    pub fn noise_p95(&self) -> f64 {
-        noise::p95(self.estimates())
-    }
-
-    fn estimates(&self) -> impl Iterator<Item = [(f64, f64); 3]> + Clone + '_ {
-        let pair = |(mean, variance): (&[f32; 3], &[f32; 3])| {
-            std::array::from_fn(|channel| (f64::from(mean[channel]), f64::from(variance[channel])))
-        };
-        self.rgb.iter().zip(&self.variance).map(pair)
+    /// Samples per pixel on average.
+    pub fn mean_spp(&self) -> f64 {
+        self.total as f64 / (f64::from(self.width) * f64::from(self.height))
     }
 
     /// SHA-256 over the size (two u32) and all values of [`rgb`](Self::rgb) (f32), little-endian; hexadecimal.

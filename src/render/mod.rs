@@ -4,7 +4,9 @@
 //! bits, however the samples are cut into passes, or into parts that other machines render.
 
 mod accumulation;
+mod adaptive;
 mod clock;
+mod doublings;
 mod edge;
 mod filter;
 mod frame;
@@ -15,6 +17,7 @@ mod tile;
 pub use accumulation::{Accumulation, Block};
 use arrayvec::ArrayVec;
 pub use clock::{CpuClock, available_memory, peak_rss_mb};
+pub use doublings::Doublings;
 pub use filter::Filter;
 pub use frame::Frame;
 use glam::Vec2;
@@ -41,6 +44,9 @@ pub struct Plan {
     pub limits: PathLimits,
     /// Largest channel of one sample, linear sRGB; brighter ones are scaled down to it, which loses light. `None`: unbiased.
     pub clamp: Option<f32>,
+    /// Estimated error ([`Frame::noise`]) at which the render ends, with the samples where they help most (`adaptive.rs`);
+    /// `spp` is the most that a pixel gets then. `None`: every pixel gets them all.
+    pub noise: Option<f64>,
 }
 
 /// Told of progress; may stop the render.
@@ -50,11 +56,12 @@ pub trait Watch: Sync {
     /// Asked before each tile of a pass: true ends the render with the samples it has. Called from render threads; once
     /// true, always true.
     fn stop(&self) -> bool;
-    /// Asked before each pass after the first: samples per pixel that it shall add; 0 ends the render, all pixels having the
-    /// same number.
+    /// Asked before each pass after the first: samples per pixel that it shall add; 0 ends the render.
     fn pass(&self, so_far: &Accumulation) -> u32 {
         so_far.usual_pass()
     }
+    /// Told when the render ends, for whatever reason.
+    fn done(&self, _sums: &Accumulation) {}
 }
 
 #[derive(Debug, Error)]
@@ -67,7 +74,7 @@ pub enum RenderError {
     Memory { width: u32, height: u32, bytes: u64, limit: u64 },
 }
 
-/// Bytes per pixel at the peak, where the sums become a [`Frame`]: 72 by their types, with room for the rest.
+/// Bytes per pixel at the peak, where the sums become a [`Frame`]: 76 by their types, with room for the rest.
 /// (Tiles that go on in 128 bits take 48 more; they are those of lamps and fireflies.)
 const BYTES_PER_PIXEL: u64 = 80;
 
@@ -95,7 +102,8 @@ pub fn render<M: Mode>(
     Ok(sums.into_frame())
 }
 
-/// Adds to `sums` the samples that it lacks of its range, or as many of them as there are until the watch stops.
+/// Adds to `sums` the samples that it lacks of its range, or as many of them as there are until the watch or the noise ends
+/// the render. False where the watch stopped it in the middle.
 ///
 /// # Errors
 /// Threads that the machine cannot give.
@@ -105,7 +113,7 @@ pub fn accumulate<M: Mode>(
     plan: &Plan,
     sums: &mut Accumulation,
     watch: &dyn Watch,
-) -> Result<(), RenderError> {
+) -> Result<bool, RenderError> {
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(plan.threads)
         .build()
@@ -114,24 +122,24 @@ pub fn accumulate<M: Mode>(
     let camera = &camera.settled(scene);
     let clock = std::time::Instant::now();
     let cpu_clock = CpuClock::start();
-    let total = sums.samples.end - sums.samples.start;
-    let mut done = sums.spp();
-    while done < total && !watch.stop() {
-        let count = if done == 0 { 1 } else { watch.pass(sums).min(total - done) };
+    while !watch.stop() && sums.wants_more(plan.noise) {
+        let count = if sums.spp() == 0 { 1 } else { watch.pass(sums) };
         if count == 0 {
             break;
         }
-        done += count;
-        let end = sums.samples.start + done;
+        let behind = sums.behind(count);
+        let first = sums.samples.start;
         sums.tally += pool.install(|| {
             sums.tiles
                 .par_iter_mut()
                 .map(|tile| {
+                    let end = tile.goal - behind.min(tile.goal - first);
                     if tile.next >= end || watch.stop() {
                         return Tally::default();
                     }
                     let samples = tile.next..end;
                     let tally = render_tile(scene, camera, plan, tile, samples.clone());
+                    tile.doublings.note(&tile.sums, tile.next - first);
                     watch.advanced(samples.len() as u64 * tile.sums.len() as u64);
                     tally
                 })
@@ -143,7 +151,8 @@ pub fn accumulate<M: Mode>(
     }
     sums.render_s += clock.elapsed().as_secs_f64();
     sums.render_cpu_s += cpu_clock.seconds();
-    Ok(())
+    watch.done(sums);
+    Ok(!watch.stop() || !sums.wants_more(plan.noise))
 }
 
 fn render_tile<M: Mode>(

@@ -1,53 +1,68 @@
-//! How noisy a picture is, from the spread of its own samples.
+//! How noisy a picture is, from its own samples.
 
-/// Linear sRGB to luminance.
-const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
+use super::doublings::{decay, luminance};
+use super::tile::Tile;
+
 /// Darker pixels are judged as if they had this share of the mean luminance.
 const DARKEST: f64 = 0.1;
 
-/// Luminance and its standard error, from mean and variance of the mean per channel. The channels' errors are added as if
-/// they rose and fell together: exact for greys, too much for colours, never too little.
-fn luminance(pixel: [(f64, f64); 3]) -> (f64, f64) {
-    let sum = |part: fn((f64, f64)) -> f64| (0..3).map(|c| LUMINANCE[c] * part(pixel[c])).sum();
-    (sum(|(mean, _)| mean), sum(|(_, variance)| variance.sqrt()))
+/// Estimated errors of a picture's luminance, with what they are made of.
+pub struct Noise {
+    /// Of each tile, the mean over its pixels of the variance of their means; infinite below two samples.
+    pub variances: Vec<f64>,
+    /// Mean luminance of the picture.
+    pub light: f64,
 }
 
-/// Root mean square of the standard errors over the mean luminance.
-pub(super) fn of_picture(pixels: impl Iterator<Item = [(f64, f64); 3]>) -> f64 {
-    let (mut count, mut light, mut squares) = (0.0f64, 0.0f64, 0.0f64);
-    for (mean, error) in pixels.map(luminance) {
-        count += 1.0;
-        light += mean;
-        squares += error * error;
+impl Noise {
+    /// Of the samples from index `first` on.
+    pub fn of(tiles: &[Tile], first: u32) -> Self {
+        let decay = decay(tiles.iter().map(|tile| (&tile.doublings, tile.sums.len() as f64)));
+        let (mut light, mut pixels) = (0.0, 0);
+        let mut variances = Vec::with_capacity(tiles.len());
+        for tile in tiles {
+            let spp = tile.next - first;
+            pixels += tile.sums.len();
+            light += luminances(tile, spp).sum::<f64>();
+            let variance = tile.doublings.variance(spp, decay);
+            variances.push(if variance.is_finite() { variance } else { independent(tile, spp) });
+        }
+        Self { variances, light: light / pixels.max(1) as f64 }
     }
-    // A black picture without spread is exact.
-    if squares == 0.0 { 0.0 } else { (squares / count).sqrt() / (light / count) }
+
+    /// Root mean square of the errors of all pixels, over the mean luminance.
+    pub fn of_picture(&self, tiles: &[Tile]) -> f64 {
+        let weighed = tiles.iter().zip(&self.variances).map(|(tile, variance)| (tile.sums.len() as f64, variance));
+        let (pixels, squares) = weighed.fold((0.0, 0.0), |(n, sum), (len, variance)| (n + len, sum + len * variance));
+        // A black picture without spread is exact.
+        if squares == 0.0 { 0.0 } else { (squares / pixels).sqrt() / self.light }
+    }
+
+    /// The relative error that 95 % of the pixels stay below, each with its tile's error against its own luminance or a
+    /// tenth of the picture's mean, whichever is more.
+    pub fn p95(&self, tiles: &[Tile], first: u32) -> f64 {
+        let mut errors = Vec::new();
+        for (tile, variance) in tiles.iter().zip(&self.variances) {
+            let relative = |light: f64| {
+                if *variance == 0.0 { 0.0 } else { variance.sqrt() / light.max(DARKEST * self.light) }
+            };
+            errors.extend(luminances(tile, tile.next - first).map(relative));
+        }
+        if errors.is_empty() {
+            return 0.0;
+        }
+        let rank = (errors.len() * 95).div_ceil(100) - 1;
+        *errors.select_nth_unstable_by(rank, f64::total_cmp).1
+    }
 }
 
-/// The relative standard error that 95 % of the pixels stay below.
-pub(super) fn p95(pixels: impl Iterator<Item = [(f64, f64); 3]> + Clone) -> f64 {
-    let (count, light) = pixels.clone().map(luminance).fold((0usize, 0.0), |(n, sum), (mean, _)| (n + 1, sum + mean));
-    if count == 0 {
-        return 0.0;
-    }
-    let least = DARKEST * light / count as f64;
-    let relative = |(mean, error): (f64, f64)| if error == 0.0 { 0.0 } else { error / mean.max(least) };
-    let mut errors: Vec<f64> = pixels.map(luminance).map(relative).collect();
-    let rank = (count * 95).div_ceil(100) - 1;
-    *errors.select_nth_unstable_by(rank, f64::total_cmp).1
+fn luminances(tile: &Tile, spp: u32) -> impl Iterator<Item = f64> + '_ {
+    (0..tile.sums.len()).map(move |pixel| luminance(tile.sums.estimate(pixel, spp).map(|(mean, _)| mean)))
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn greys_have_the_noise_of_their_one_channel() {
-        // Half the pixels 1 +- 0.1, half 3 +- 0.3: the root mean square is sqrt(0.05), the mean 2.
-        let picture = [[(1.0, 0.01); 3], [(3.0, 0.09); 3]].repeat(20);
-        assert!((of_picture(picture.iter().copied()) - 0.05f64.sqrt() / 2.0).abs() < 1e-12);
-        assert!((p95(picture.iter().copied()) - 0.1).abs() < 1e-12);
-        assert_eq!(of_picture([[(0.0, 0.0); 3]].into_iter()), 0.0);
-        assert_eq!(of_picture([[(1.0, f64::INFINITY); 3]].into_iter()), f64::INFINITY);
-    }
+/// Mean variance of a tile whose doublings are not known, as if its samples were independent and its channels rose and fell
+/// together: too much, never too little.
+fn independent(tile: &Tile, spp: u32) -> f64 {
+    let of_pixel = |pixel| luminance(tile.sums.estimate(pixel, spp).map(|(_, variance)| variance.sqrt())).powi(2);
+    (0..tile.sums.len()).map(of_pixel).sum::<f64>() / tile.sums.len() as f64
 }

@@ -89,6 +89,11 @@ impl Sums {
         }
     }
 
+    /// As [`estimate`], of a pixel.
+    pub fn estimate(&self, index: usize, spp: u32) -> [(f64, f64); 3] {
+        estimate(&self.get(index), spp)
+    }
+
     /// Adds more samples of a pixel.
     #[inline]
     pub fn add_samples(&mut self, index: usize, samples: &Samples) {
@@ -124,7 +129,7 @@ impl Sums {
 }
 
 /// Per channel the mean of `spp` samples, and the variance of that mean; infinite below two samples.
-pub fn estimate(totals: &Totals, spp: u32) -> [(f64, f64); 3] {
+fn estimate(totals: &Totals, spp: u32) -> [(f64, f64); 3] {
     // A pixel that was never reached stays black.
     let n = f64::from(spp.max(1));
     std::array::from_fn(|channel| {

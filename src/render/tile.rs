@@ -1,7 +1,10 @@
 //! Tiles keep their own sums, so that threads never share a cache line.
 
+use std::ops::Range;
+
 use arrayvec::ArrayVec;
 
+use super::doublings::Doublings;
 use super::edge::Edges;
 use super::sums::Sums;
 use crate::integrate::GROUP;
@@ -17,7 +20,10 @@ pub struct Tile {
     pub width: u32,
     /// The sample index that each pixel goes on with.
     pub next: u32,
+    /// The sample index up to which it has been decided to go.
+    pub goal: u32,
     pub sums: Sums,
+    pub doublings: Doublings,
     /// Found with the first samples.
     pub edges: Option<Edges>,
 }
@@ -48,9 +54,9 @@ impl Tile {
         [self.x0 + pixel % self.width, self.y0 + pixel / self.width]
     }
 
-    /// All tiles of a picture that a window touches, without samples before index `first`, along a Z-order curve: neighbours
-    /// in time are neighbours in space.
-    pub fn grid([width, height]: [u32; 2], window: &Window, first: u32) -> Vec<Self> {
+    /// All tiles of a picture that a window touches, to be given these samples, along a Z-order curve: neighbours in time are
+    /// neighbours in space.
+    pub fn grid([width, height]: [u32; 2], window: &Window, samples: Range<u32>) -> Vec<Self> {
         let (columns, rows) = (width.div_ceil(TILE_SIDE), height.div_ceil(TILE_SIDE));
         let mut places: Vec<[u32; 2]> =
             (0..rows).flat_map(|row| (0..columns).map(move |column| [column, row])).collect();
@@ -62,7 +68,8 @@ impl Tile {
                 return None;
             }
             let sums = Sums::new((tile_width * tile_height) as usize);
-            Some(Self { x0, y0, width: tile_width, next: first, sums, edges: None })
+            let (next, goal) = (samples.start, samples.end);
+            Some(Self { x0, y0, width: tile_width, next, goal, sums, doublings: Doublings::default(), edges: None })
         };
         places.into_iter().filter_map(tile).collect()
     }
@@ -75,7 +82,7 @@ mod tests {
     #[test]
     fn tiles_cover_every_pixel_once() {
         for size in [[1, 1], [16, 16], [17, 33], [100, 3]] {
-            let tiles = Tile::grid(size, &Window::whole(size), 0);
+            let tiles = Tile::grid(size, &Window::whole(size), 0..1);
             let mut seen = vec![0; (size[0] * size[1]) as usize];
             for tile in &tiles {
                 for i in 0..tile.sums.len() as u32 {

@@ -53,6 +53,11 @@ impl Window {
         Self { x: 0, y: 0, width, height }
     }
 
+    /// Pixels across and down.
+    pub fn size(&self) -> [u32; 2] {
+        [self.width, self.height]
+    }
+
     pub fn fits(&self, [width, height]: [u32; 2]) -> bool {
         let within = |at: u32, length: u32, side: u32| length > 0 && at < side && length <= side - at;
         within(self.x, self.width, width) && within(self.y, self.height, height)

@@ -203,7 +203,9 @@ fn interrupted_renders_go_on_to_the_same_bits() {
             }
             assert_eq!(run.code, Some(75), "{}", run.stderr);
             assert!(run.stderr.contains("go on with --resume"), "{}", run.stderr);
-            assert!(!Path::new(&file).exists() && Path::new(&format!("{file}.checkpoint")).exists());
+            assert!(Path::new(&format!("{file}.checkpoint")).exists());
+            // The picture as far as it is; a part is whole or not there.
+            assert!(name == "a.exr" || !Path::new(&file).exists());
             stops += 1;
             assert!(stops < 100, "it never ends");
         };

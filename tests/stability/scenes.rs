@@ -19,7 +19,7 @@ fn picture<M: Mode>(scene: &Builder, size: [u32; 2], spp: u32) -> Frame {
     let compiled = Scene::<M>::new(stage.clone(), &FilmOptions { tolerance: 1.0, rung: None }).unwrap();
     let size = size.map(Some);
     let (camera, _) = scene::Camera::new(&scene.0, None, size, Framing::Scene, stage.bounds).unwrap();
-    let plan = Plan { spp, seed: 1, threads: 1, filter: Filter::Box, limits: LIMITS, clamp: None };
+    let plan = Plan { spp, seed: 1, threads: 1, filter: Filter::Box, limits: LIMITS, clamp: None, noise: None };
     render(&compiled, &camera, &plan, &Unwatched).unwrap()
 }
 
