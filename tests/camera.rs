@@ -24,7 +24,7 @@ fn picture<M: Mode>(builder: &Builder, raster: Raster) -> Frame {
     let scene = Scene::<M>::new(stage.clone(), &FilmOptions { tolerance: 1.0, rung: None }).unwrap();
     let (camera, _) = Camera::new(&builder.0, None, raster, Framing::Scene, stage.bounds).unwrap();
     let limits = PathLimits { max_bounces: 4, strategy: Strategy::Shared };
-    let plan = Plan { spp: 3, seed: 5, threads: 2, filter: Filter::BlackmanHarris, limits, clamp: None };
+    let plan = Plan { spp: 3, seed: 5, threads: 2, filter: Filter::BlackmanHarris, limits, clamp: None, noise: None };
     render(&scene, &camera, &plan, &Unwatched).unwrap()
 }
 
