@@ -1,6 +1,7 @@
 //! Jobs: load once, build once, render, save.
 
 pub mod animate;
+pub mod aov;
 pub mod budget;
 pub mod checkpoint;
 mod choose_mode;
@@ -9,6 +10,7 @@ pub mod encode;
 pub mod frames;
 pub mod merge;
 pub mod part;
+mod quick_look;
 pub mod record;
 pub mod resume;
 mod row;

@@ -93,7 +93,7 @@ impl Stats {
             (self.beyond_range, "samples were brighter than 4.3e9 and count as that"),
             (self.clamped_samples, "samples were clamped: the picture is biased"),
             (self.clamped, "values were too large for half floats (use --float)"),
-            (self.out_of_gamut, "pixels are outside sRGB and were clipped"),
+            (self.out_of_gamut, "pixels are outside sRGB and were brought inside"),
         ] {
             if count > 0 {
                 line.push_str(&format!("; {count} {what}"));

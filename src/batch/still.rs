@@ -1,16 +1,19 @@
 //! One picture.
 
+use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
+use super::aov::{Aov, Layers};
+use super::quick_look::quick_looks;
 use super::stats::{FilmStats, Stats};
 use crate::document::{Document, Shape};
 use crate::error::Error;
 use crate::film::Verdict;
 use crate::mode::Mode;
-use crate::output::{self, Format, HeaderValue, Layer, LayerKind, Picture, PngDepth, Written};
-use crate::render::{self, Accumulation, Frame, Plan, Watch};
+use crate::output::{self, Display, Format, HeaderValue, Picture, PngDepth, Written};
+use crate::render::{self, Accumulation, Frame, Plan, Survey, Watch};
 use crate::scene::{BuildError, Camera, FilmOptions, Framing, Placed, Scene, Stage};
 
 /// What is to be made, with every default filled in.
@@ -23,18 +26,16 @@ pub struct StillPlan {
     pub films: FilmOptions,
     pub render: Plan,
     pub look: Look,
-    /// EXR only.
     pub aovs: Vec<Aov>,
     /// Largest number of bytes for the picture; `None`: what the machine has left.
     pub max_memory: Option<u64>,
 }
 
-/// What a picture holds besides its colour.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Aov {
-    /// `variance.R/G/B`, 32-bit: the variance of each pixel's mean, as if its samples were independent (they are stratified,
-    /// which makes the true one smaller); infinite below two samples.
-    Variance,
+impl StillPlan {
+    /// True where the scene has to be looked at besides rendering it.
+    pub fn needs_survey(&self) -> bool {
+        self.aovs.iter().any(|aov| aov.needs_survey())
+    }
 }
 
 /// A scene that is ready to render.
@@ -64,7 +65,8 @@ pub fn movable_stage(
     let stage = Stage::movable(document, plan.render.threads, moving).map_err(|source| built(document, source))?;
     let (camera, placed) =
         Camera::new(document, plan.camera.as_deref(), plan.size, plan.framing, stage.bounds).map_err(Error::Usage)?;
-    render::check_memory(camera.size, plan.max_memory.unwrap_or_else(render::available_memory))?;
+    let limit = plan.max_memory.unwrap_or_else(render::available_memory);
+    render::check_memory(camera.size, plan.needs_survey(), limit)?;
     let mut notes = Vec::new();
     match placed {
         Placed::AsWritten => {}
@@ -122,6 +124,18 @@ impl<M: Mode> Prepared<M> {
     /// Adds what `sums` lacks; as [`render`](Self::render).
     pub fn accumulate(&self, plan: &StillPlan, sums: &mut Accumulation, watch: &dyn Watch) -> Result<(), Error> {
         Ok(render::accumulate(&self.scene, &self.camera, &plan.render, sums, watch)?)
+    }
+
+    /// Looks at the scene along the camera rays of these samples, where anything of it is wanted.
+    ///
+    /// # Errors
+    /// Threads that the machine cannot give.
+    pub fn look(&self, plan: &StillPlan, survey: &mut Option<Survey>, samples: Range<u32>) -> Result<(), Error> {
+        if !plan.needs_survey() {
+            return Ok(());
+        }
+        let survey = survey.get_or_insert_with(|| Survey::new(self.camera.size, false));
+        Ok(survey.add(&self.scene, &self.camera, &plan.render, samples)?)
     }
 
     /// All that is known before the picture is written; [`Stats::finish`] adds the rest.
@@ -192,14 +206,15 @@ impl<M: Mode> Prepared<M> {
 }
 
 /// The frame with its further layers, and what is known of how it was made ([`Prepared::header`]).
-pub fn picture(frame: &Frame, aovs: &[Aov], mut header: Vec<(String, HeaderValue)>) -> Picture {
+pub fn picture(frame: &Frame, layers: Layers, mut header: Vec<(String, HeaderValue)>) -> Picture {
     header.extend([
         ("pellicle/sampleRange".to_owned(), HeaderValue::Text(format!("0-{}", frame.spp))),
         ("samplesPerPixel".to_owned(), HeaderValue::Int(frame.spp as i32)),
         ("renderTimeSeconds".to_owned(), HeaderValue::Float(frame.render_s as f32)),
     ]);
     let rgba = frame.rgb.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect();
-    let layers = aovs.iter().flat_map(|aov| aov.layers(frame)).collect();
+    let Layers { layers, header: of_layers } = layers;
+    header.extend(of_layers);
     Picture { width: frame.width, height: frame.height, crop: None, rgba, layers, header }
 }
 
@@ -207,31 +222,10 @@ pub fn picture(frame: &Frame, aovs: &[Aov], mut header: Vec<(String, HeaderValue
 #[derive(Clone, Copy, Debug)]
 pub struct Look {
     /// PNG only.
-    pub exposure_ev: f32,
+    pub display: Display,
     pub png_depth: PngDepth,
     /// 32-bit EXR.
     pub float: bool,
-}
-
-impl Aov {
-    /// The names of its channels.
-    pub fn channels(self) -> [&'static str; 3] {
-        match self {
-            Self::Variance => ["variance.R", "variance.G", "variance.B"],
-        }
-    }
-
-    fn layers(self, frame: &Frame) -> [Layer; 3] {
-        let values = match self {
-            Self::Variance => &frame.variance,
-        };
-        let layer = |channel: usize| Layer {
-            name: self.channels()[channel].to_owned(),
-            kind: LayerKind::Float,
-            data: values.iter().map(|value| value[channel]).collect(),
-        };
-        std::array::from_fn(layer)
-    }
 }
 
 /// How the picture's mean differs from the light's, if it does.
@@ -239,7 +233,8 @@ fn biased(plan: &Plan) -> Option<String> {
     plan.clamp.map(|limit| format!("samples clamped to {limit}"))
 }
 
-/// Writes the picture in the format that its name asks for, and says how long that took.
+/// Writes the picture in the format that its name asks for, and says how long that took. What PNG has no room for goes into
+/// files beside it: `NAME.png` and `NAME.N.png`.
 ///
 /// # Errors
 /// The file cannot be written; an old file of that name is untouched then.
@@ -247,7 +242,13 @@ pub fn write(path: &Path, format: Format, picture: &Picture, look: Look) -> Resu
     let start = Instant::now();
     let written = match format {
         Format::Exr => output::write_exr(path, picture, look.float)?,
-        Format::Png => output::write_png(path, picture, look.exposure_ev, look.png_depth)?,
+        Format::Png => {
+            for (name, layers) in quick_looks(picture) {
+                let beside = path.with_extension(format!("{name}.png"));
+                output::write_png(&beside, &layers, Display::PLAIN, look.png_depth)?;
+            }
+            output::write_png(path, picture, look.display, look.png_depth)?
+        }
     };
     Ok((written, start.elapsed().as_secs_f64()))
 }

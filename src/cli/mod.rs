@@ -6,6 +6,7 @@ mod chart;
 mod check;
 mod compare;
 mod encode;
+mod file_args;
 mod film;
 mod merge;
 mod progress;

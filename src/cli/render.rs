@@ -1,19 +1,21 @@
 //! `pellicle render`: one picture.
 
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use clap::{Args, ValueEnum};
 use signal_hook::consts::{SIGINT, SIGTERM};
 
+use super::file_args::FileArgs;
 use super::progress::{Progress, ProgressArg};
 use super::sampling::{SamplingArgs, Target};
 use super::scene_args::{FramingArg, SceneArgs};
 use super::{print, say};
+use crate::batch::aov::Layers;
 use crate::batch::checkpoint::Saver;
-use crate::batch::still::{self, Aov, Look, StillPlan};
+use crate::batch::still::{self, StillPlan};
 use crate::batch::{Transport, choose_mode};
 use crate::collada::Warning;
 use crate::document::{Document, RenderHints};
@@ -21,7 +23,7 @@ use crate::error::Error;
 use crate::film::Rung;
 use crate::integrate::{PathLimits, Strategy};
 use crate::mode::{Mode, Rgb, Spectral};
-use crate::output::{self, Format, PngDepth};
+use crate::output::{self, Display};
 use crate::render::{Accumulation, Filter, Plan};
 use crate::scene::{Camera, FilmOptions, Stage};
 
@@ -106,43 +108,6 @@ pub struct PictureArgs {
     max_memory: Option<u64>,
 }
 
-/// How picture files are written: shared by every subcommand that writes some.
-#[derive(Args)]
-pub struct FileArgs {
-    /// Bits per channel of PNG pictures
-    #[arg(long, value_name = "BITS", value_parser = ["8", "16"], default_value = "8")]
-    png_depth: String,
-    /// Write 32-bit instead of 16-bit floats to EXR
-    #[arg(long)]
-    float: bool,
-    /// More layers for EXR, with commas between them
-    #[arg(long = "aov", value_name = "LIST", value_enum, value_delimiter = ',')]
-    aovs: Vec<AovArg>,
-}
-
-impl FileArgs {
-    pub fn look(&self, exposure_ev: f32) -> Look {
-        let png_depth = if self.png_depth == "16" { PngDepth::Sixteen } else { PngDepth::Eight };
-        Look { exposure_ev, png_depth, float: self.float }
-    }
-
-    /// Each once.
-    pub fn aovs(&self) -> Vec<Aov> {
-        let mut aovs: Vec<Aov> = self.aovs.iter().map(|AovArg::Variance| Aov::Variance).collect();
-        aovs.dedup();
-        aovs
-    }
-
-    /// PNG cannot hold what EXR can.
-    pub fn check(&self, output: &Path, format: Format) -> Result<(), Error> {
-        if format == Format::Exr || self.aovs.is_empty() {
-            return Ok(());
-        }
-        let problem = format!("{}: PNG has no room for the layers of --aov", output.display());
-        Err(Error::Usage(format!("{problem}; write .exr")))
-    }
-}
-
 /// What is said on the way.
 #[derive(Args)]
 pub struct TalkArgs {
@@ -211,12 +176,6 @@ enum StrategyArg {
     Bsdf,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
-enum AovArg {
-    /// Variance of each pixel's mean (variance.R, variance.G, variance.B)
-    Variance,
-}
-
 #[derive(Clone, Copy)]
 pub struct Size {
     pub(super) width: Option<u32>,
@@ -257,8 +216,8 @@ fn parse_bytes(text: &str) -> Result<u64, String> {
 pub fn run(args: &RenderArgs) -> Result<(), Error> {
     // Find out now, not after hours, whether the results can be written.
     let target = args.sampling.target(&args.output)?;
-    if let Target::Picture(format) = target {
-        args.picture.file.check(&args.output, format)?;
+    if target == Target::Part {
+        args.picture.file.check_part()?;
     }
     if let Some(stats) = &args.stats {
         output::check_writable(stats)?;
@@ -332,7 +291,10 @@ impl Job<'_> {
         let frame = sums.into_frame();
         let mut stats = prepared.stats(document, plan, &frame, self.parse_s);
         if let Target::Picture(format) = self.target {
-            let picture = still::picture(&frame, &plan.aovs, prepared.header(document, plan));
+            let mut survey = None;
+            prepared.look(plan, &mut survey, 0..frame.spp)?;
+            let layers = Layers::new(&plan.aovs, &frame, survey.as_ref(), document);
+            let picture = still::picture(&frame, layers, prepared.header(document, plan));
             let (written, write_s) = still::write(&args.output, format, &picture, plan.look)?;
             stats.finish(&written, write_s);
         }
@@ -473,7 +435,10 @@ impl PictureArgs {
                 },
                 clamp: self.clamp,
             },
-            look: self.file.look(self.exposure.or(hints.exposure_ev).unwrap_or(0.0)),
+            look: self.file.look(Display {
+                exposure_ev: self.exposure.or(hints.exposure_ev).unwrap_or(0.0),
+                ..Display::default()
+            }),
             aovs: self.file.aovs(),
             max_memory: self.max_memory,
         }

@@ -25,7 +25,7 @@ use crate::batch::{Thumbnail, Transport};
 use crate::document::Document;
 use crate::error::Error;
 use crate::mode::{Mode, Rgb, Spectral};
-use crate::output::{self, Format};
+use crate::output::{self, Display, Format};
 use crate::study::report;
 
 /// Samples per pixel where time or noise end a frame and nobody says how many there may be.
@@ -148,7 +148,7 @@ struct Rest<'a> {
     record: Record,
     pattern: Pattern,
     talk: &'a TalkArgs,
-    exposure_ev: f32,
+    display: Display,
     suffix: String,
     video: Option<(PathBuf, Target)>,
     fps: f64,
@@ -209,7 +209,7 @@ impl<'a> Work<'a> {
             record,
             pattern: self.pattern.clone(),
             talk: self.talk,
-            exposure_ev: self.still.look.exposure_ev,
+            display: self.still.look.display,
             suffix: self.suffix,
             video,
             fps: self.args.fps,
@@ -308,7 +308,7 @@ impl Rest<'_> {
     fn encode(&self) -> Result<(), Error> {
         let Some((path, target)) = &self.video else { return Ok(()) };
         let footage = Footage::of(self.all.0.iter().map(|&frame| self.pattern.path(frame)).collect())?;
-        let plan = EncodePlan { fps: self.fps, quality: None, exposure_ev: self.exposure_ev };
+        let plan = EncodePlan { fps: self.fps, quality: None, display: self.display };
         let count = footage.encode(path, *target, &plan, |line| self.talk.inform(line))?;
         self.talk.inform(&format!("{}: {count} frames, {:.2} s", path.display(), count as f64 / self.fps));
         Ok(())
@@ -319,7 +319,7 @@ impl Rest<'_> {
         self.record.finish()?;
         for &frame in &self.all.0 {
             if !thumbnails.iter().any(|(known, _)| *known == frame) {
-                let read = Thumbnail::read(&self.pattern.path(frame), self.exposure_ev);
+                let read = Thumbnail::read(&self.pattern.path(frame), self.display);
                 thumbnails.extend(read.map(|thumbnail| (frame, thumbnail)));
             }
         }

@@ -123,17 +123,20 @@ impl Accumulation {
         let count = width as usize * height as usize;
         let mut rgb = vec![[0.0; 3]; count];
         let mut variance = vec![[0.0; 3]; count];
+        let mut samples = vec![0; count];
         let spp = self.spp();
         for tile in self.tiles {
+            let own = tile.next - self.samples.start;
             for i in 0..tile.sums.len() {
                 let (x, y) = (tile.x0 + i as u32 % tile.width, tile.y0 + i as u32 / tile.width);
                 let index = y as usize * width as usize + x as usize;
-                let channels = estimate(&tile.sums.get(i), tile.next - self.samples.start);
+                let channels = estimate(&tile.sums.get(i), own);
+                samples[index] = own;
                 rgb[index] = channels.map(|(mean, _)| mean as f32);
                 variance[index] = channels.map(|(_, variance)| variance as f32);
             }
         }
         let Self { tally, threads, render_s, render_cpu_s, .. } = self;
-        Frame { width, height, spp, rgb, variance, tally, threads, render_s, render_cpu_s }
+        Frame { width, height, spp, samples, rgb, variance, tally, threads, render_s, render_cpu_s }
     }
 }

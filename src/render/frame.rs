@@ -11,6 +11,8 @@ pub struct Frame {
     pub height: u32,
     /// Samples that every pixel has; where the render was stopped, some have a few more.
     pub spp: u32,
+    /// Samples that each pixel has.
+    pub samples: Vec<u32>,
     pub rgb: Vec<[f32; 3]>,
     /// Variance of each pixel's mean, per channel; infinite below two samples.
     pub variance: Vec<[f32; 3]>,

@@ -10,6 +10,7 @@ mod filter;
 mod frame;
 mod noise;
 mod sums;
+mod survey;
 mod tile;
 
 pub use accumulation::{Accumulation, Block};
@@ -19,10 +20,13 @@ pub use filter::Filter;
 pub use frame::Frame;
 use glam::Vec2;
 use rayon::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 use sums::Samples;
 pub use sums::Totals;
+pub use survey::{FAR_M, Seen, Survey};
 use thiserror::Error;
 
+use crate::embree::Ray;
 use crate::integrate::{GROUP, Path, PathLimits, Tally, radiances};
 use crate::math::Sampler;
 use crate::mode::{Lanes, Mode};
@@ -67,16 +71,19 @@ pub enum RenderError {
     Memory { width: u32, height: u32, bytes: u64, limit: u64 },
 }
 
-/// Bytes per pixel at the peak, where the sums become a [`Frame`]: 72 by their types, with room for the rest.
+/// Bytes per pixel at the peak, where the sums become a [`Frame`]: 76 by their types, with room for the rest.
 /// (Tiles that go on in 128 bits take 48 more; they are those of lamps and fireflies.)
 const BYTES_PER_PIXEL: u64 = 80;
+/// What a [`Survey`] and the layers that are made of it take besides.
+const SURVEY_BYTES_PER_PIXEL: u64 = 240;
 
 /// Refuses pictures that would not fit into `limit` bytes: a failed allocation could only abort the program, after hours.
 ///
 /// # Errors
 /// The bytes that the picture needs and those that there are.
-pub fn check_memory([width, height]: [u32; 2], limit: u64) -> Result<(), RenderError> {
-    let bytes = u64::from(width) * u64::from(height) * BYTES_PER_PIXEL;
+pub fn check_memory([width, height]: [u32; 2], surveyed: bool, limit: u64) -> Result<(), RenderError> {
+    let per_pixel = BYTES_PER_PIXEL + if surveyed { SURVEY_BYTES_PER_PIXEL } else { 0 };
+    let bytes = u64::from(width) * u64::from(height) * per_pixel;
     if bytes > limit { Err(RenderError::Memory { width, height, bytes, limit }) } else { Ok(()) }
 }
 
@@ -106,10 +113,7 @@ pub fn accumulate<M: Mode>(
     sums: &mut Accumulation,
     watch: &dyn Watch,
 ) -> Result<(), RenderError> {
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(plan.threads)
-        .build()
-        .map_err(|e| RenderError::Threads { threads: plan.threads, reason: e.to_string() })?;
+    let pool = pool(plan)?;
     sums.threads = pool.current_num_threads();
     let clock = std::time::Instant::now();
     let cpu_clock = CpuClock::start();
@@ -145,6 +149,11 @@ pub fn accumulate<M: Mode>(
     Ok(())
 }
 
+fn pool(plan: &Plan) -> Result<ThreadPool, RenderError> {
+    let failed = |e: ThreadPoolBuildError| RenderError::Threads { threads: plan.threads, reason: e.to_string() };
+    ThreadPoolBuilder::new().num_threads(plan.threads).build().map_err(failed)
+}
+
 fn render_tile<M: Mode>(
     scene: &Scene<M>,
     camera: &Camera,
@@ -171,6 +180,21 @@ fn render_tile<M: Mode>(
     tally
 }
 
+/// The number by which a pixel draws its samples.
+#[inline]
+fn number(camera: &Camera, [x, y]: [u32; 2]) -> u32 {
+    y.wrapping_mul(camera.size[0]).wrapping_add(x)
+}
+
+/// The camera ray of one sample of a pixel, and the numbers that its path goes on with.
+#[inline]
+fn camera_sample(camera: &Camera, plan: &Plan, [x, y]: [u32; 2], index: u32) -> (Ray, Sampler) {
+    let mut sampler = Sampler::new(number(camera, [x, y]), index, plan.seed);
+    let [u_x, u_y, lens_x, lens_y] = sampler.next_4d();
+    let offset = Vec2::new(plan.filter.sample(u_x), plan.filter.sample(u_y));
+    (camera.ray(Vec2::new(x as f32, y as f32) + 0.5 + offset, [lens_x, lens_y]), sampler)
+}
+
 /// Adds one sample to the sums of each pixel of a group.
 #[inline]
 #[allow(clippy::too_many_arguments)]
@@ -184,7 +208,7 @@ fn render_group<M: Mode>(
     sums: &mut [Samples; GROUP],
     tally: &mut Tally,
 ) {
-    let number = |[x, y]: [u32; 2]| y.wrapping_mul(camera.size[0]).wrapping_add(x);
+    let number = |place| number(camera, place);
     // All paths of a group carry the same wavelengths: they look at each other's finds.
     let waves = match group.first() {
         Some(&first) if M::SAMPLES_WAVES => {
@@ -195,12 +219,9 @@ fn render_group<M: Mode>(
     let mut paths = ArrayVec::<Path<M>, GROUP>::new();
     for &member in group {
         let [x, y] = tile.place(member);
-        let mut sampler = Sampler::new(number([x, y]), index, plan.seed);
-        let [u_x, u_y, lens_x, lens_y] = sampler.next_4d();
-        let offset = Vec2::new(plan.filter.sample(u_x), plan.filter.sample(u_y));
-        let position = Vec2::new(x as f32, y as f32) + 0.5 + offset;
+        let (ray, sampler) = camera_sample(camera, plan, [x, y], index);
         let blind = edges.cross(x - tile.x0, y - tile.y0);
-        paths.push(Path::new(camera.ray(position, [lens_x, lens_y]), waves, sampler, blind));
+        paths.push(Path::new(ray, waves, sampler, blind));
     }
     radiances(scene, &mut paths, &plan.limits, tally);
     for (&member, path) in group.iter().zip(&mut paths) {

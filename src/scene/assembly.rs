@@ -47,6 +47,8 @@ pub(super) struct Assembly<'a> {
     pub moving: &'a [bool],
     /// Whether what is placed right now is one of those: it becomes an instance then.
     pub mobile: bool,
+    /// The document's node that is placed right now.
+    pub node: u32,
     pub places: Vec<Place>,
     /// The document's materials, a grey one for what has none, and a black one per area light.
     pub materials: Vec<document::Material>,
@@ -65,6 +67,7 @@ impl<'a> Assembly<'a> {
             ground,
             moving,
             mobile: false,
+            node: 0,
             places: Vec::new(),
             materials: Vec::new(),
             glows: Vec::new(),
@@ -141,6 +144,7 @@ impl<'a> Assembly<'a> {
         let mut shared: Vec<Option<Held>> = vec![None; document.geometries.len()];
         for (number, (node, to_world)) in placements.iter().enumerate() {
             self.mobile = self.moving.get(number).copied().unwrap_or(false);
+            self.node = *node as u32;
             for item in &document.nodes[*node].items {
                 let Item::Geometry { geometry: index, bindings } = item else { continue };
                 let geometry = &document.geometries[*index];
@@ -238,6 +242,7 @@ impl<'a> Assembly<'a> {
     /// Adds a place with the emitters of its shining parts.
     fn add_place(&mut self, mut place: Place, mesh: Option<&Mesh>, object_to_world: &Affine3A) {
         let number = self.places.len() as u32;
+        place.node = self.node;
         match (mesh, &place.body) {
             (Some(mesh), _) => {
                 // What the file holds may be mirrored where Embree holds it as it is.
@@ -305,6 +310,7 @@ impl<'a> Assembly<'a> {
     pub fn place_lights(&mut self, document: &Document, placements: &[(usize, Mat4)]) -> Result<(), BuildError> {
         for (number, (node, to_world)) in placements.iter().enumerate() {
             self.mobile = self.moving.get(number).copied().unwrap_or(false);
+            self.node = *node as u32;
             for item in &document.nodes[*node].items {
                 if let Item::Light(index) = item {
                     let light = &document.lights[*index];

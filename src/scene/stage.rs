@@ -27,6 +27,8 @@ pub struct Stage {
     /// The distinct spectra of all lights, by the numbers that sources carry.
     pub spectra: Vec<Emission>,
     pub lights: Lights,
+    /// What looks white in the picture, and the sensor for which it does.
+    pub white: Emission,
     pub sensor: Sensor,
     /// Corners of a box around everything, world space; a unit box when the scene is empty.
     pub bounds: (Vec3, Vec3),
@@ -90,6 +92,7 @@ impl Stage {
         let accel = builder.build()?;
         let bounds = accel.bounds().unwrap_or(NOTHING);
         lighting::weigh_distant(&emitters, &mut power, bounds);
+        let white = lighting::white(document, &placements);
         Ok(Self {
             accel,
             places,
@@ -98,7 +101,8 @@ impl Stage {
             textures,
             spectra,
             lights: Lights::new(emitters, &power),
-            sensor: Sensor::new(&lighting::white(document, &placements)),
+            sensor: Sensor::new(&white),
+            white,
             bounds,
             moving,
             stale: false,
