@@ -14,7 +14,9 @@ mod film; // the optics against independent truth tables
 mod film_command; // `pellicle film` against the same tables; errors that help; drawings
 mod golden; // shipped scenes against stored pictures
 mod house; // the order of the rooms, where unsafe may be, files that stay readable
+mod layers; // layers beside the picture, mattes, the denoiser, what other tools make of our files
 mod output; // files are whole or absent
 mod stability; // where methods fail: finite, bounded, continuous at every extreme
 mod statistics; // the tests' own tools
 mod transport; // closed forms, strategies agree, threads do not matter
+mod view; // what a display is sent for colours inside and outside of its reach

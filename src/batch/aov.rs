@@ -1,11 +1,18 @@
 //! What a picture holds besides its colour, and the layers that it goes into.
 
+use std::time::Instant;
+
 use glam::Vec3;
 
+use super::still::StillPlan;
+use crate::denoise::{Denoiser, Noisy};
 use crate::document::Document;
+use crate::error::Error;
 use crate::output::{HeaderValue, Layer, LayerKind, cryptomatte};
 use crate::render::{Frame, Seen, Survey};
 
+/// The layer of the picture without its noise.
+pub const DENOISED: &str = "denoised";
 /// The channels of [`Aov::Variance`].
 pub const VARIANCE: [&str; 3] = ["variance.R", "variance.G", "variance.B"];
 
@@ -145,6 +152,35 @@ impl Layers {
                 _ => self.add(aov, || survey.pixels().map(|seen| aov.of(&seen))),
             }
         }
+    }
+
+    /// Adds the picture without its noise, in the kind of the picture itself; gives back the seconds that it took.
+    ///
+    /// # Errors
+    /// What the library says.
+    pub fn denoise(
+        &mut self,
+        denoiser: &Denoiser,
+        frame: &Frame,
+        survey: &Survey,
+        plan: &StillPlan,
+    ) -> Result<f64, Error> {
+        let clock = Instant::now();
+        let noisy = Noisy {
+            width: frame.width as usize,
+            height: frame.height as usize,
+            rgb: &frame.rgb,
+            albedo: survey.pixels().map(|seen| seen.clue.albedo).collect(),
+            normal: survey.pixels().map(|seen| seen.clue.normal).collect(),
+        };
+        let clean = denoiser.denoise(noisy, plan.render.threads)?;
+        let kind = if plan.look.float { LayerKind::Float } else { LayerKind::Half };
+        for (channel, letter) in ["R", "G", "B"].into_iter().enumerate() {
+            let data = clean.iter().map(|rgb| rgb[channel]).collect();
+            self.layers.push(Layer { name: format!("{DENOISED}.{letter}"), kind, data });
+        }
+        self.header.push(("pellicle/denoiser".to_owned(), HeaderValue::Text(denoiser.version())));
+        Ok(clock.elapsed().as_secs_f64())
     }
 
     fn add<I: Iterator<Item = Vec3>>(&mut self, aov: Aov, values: impl Fn() -> I) {

@@ -77,7 +77,7 @@ impl Settings {
         mode: &str,
     ) -> Result<Self, Error> {
         // Taken apart, so that a new field asks here whether it changes pixels.
-        let StillPlan { size: _, camera, framing, films, render, look: _, aovs: _, max_memory: _ } = plan;
+        let StillPlan { size: _, camera, framing, films, render, look: _, aovs: _, denoise: _, max_memory: _ } = plan;
         let FilmOptions { tolerance, rung } = films;
         let Plan { spp, seed, threads: _, filter, limits: PathLimits { max_bounces, strategy }, clamp } = render;
         Ok(Self {

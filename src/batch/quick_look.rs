@@ -1,5 +1,6 @@
 //! Layers as pictures to look at, for PNG, which has no layers.
 
+use super::aov::DENOISED;
 use crate::color::view::srgb_decode as signal;
 use crate::output::{Layer, Picture};
 use crate::render::FAR_M;
@@ -8,13 +9,13 @@ use crate::render::FAR_M;
 const BEYOND: f32 = 0.01;
 
 /// A picture of each group of layers (`N` of `N.X`, `N.Y`, `N.Z`), with its name. Values are mapped to what a screen can show:
-/// normals from -1..1 to 0..1, depth from near white to far black, positions over the box of what is seen, others over 0 to
+/// normals from -1..1 to 0..1, depth from near white to far grey (and black where there is nothing), positions over the box of what is seen, others over 0 to
 /// the largest; mattes get a colour for each name.
 pub fn quick_looks(picture: &Picture) -> Vec<(String, Picture)> {
     let mut names: Vec<&str> = Vec::new();
     for layer in &picture.layers {
         let name = group(layer);
-        if !names.contains(&name) {
+        if !names.contains(&name) && name != DENOISED {
             names.push(name);
         }
     }
@@ -25,6 +26,17 @@ pub fn quick_looks(picture: &Picture) -> Vec<(String, Picture)> {
         (name.to_owned(), Picture { width, height, crop: picture.crop, rgba, ..Picture::default() })
     };
     names.into_iter().map(look).collect()
+}
+
+/// The picture with the colours of its denoised layers, if it has them.
+pub fn denoised(picture: &Picture) -> Option<Picture> {
+    let layers: Vec<&Layer> = picture.layers.iter().filter(|layer| group(layer) == DENOISED).collect();
+    let [r, g, b] = layers.as_slice() else { return None };
+    let mut denoised = Picture { layers: Vec::new(), ..picture.clone() };
+    for (index, pixel) in denoised.rgba.iter_mut().enumerate() {
+        pixel[..3].copy_from_slice(&[r.data[index], g.data[index], b.data[index]]);
+    }
+    Some(denoised)
 }
 
 /// Layers of one matte count as one.
@@ -51,8 +63,10 @@ fn pixels(name: &str, layers: &[&Layer]) -> Vec<[f32; 3]> {
         "UV" => values.map(|uv| uv.map(|x| signal(x - x.floor()))).collect(),
         "Z" => {
             let there = |z: &f32| *z < FAR_M;
-            let (near, far) = range(layers[0].data.iter().copied().filter(there));
-            let grey = |z: f32| if there(&z) { signal(1.0 - share(z, near, far)) } else { 0.0 };
+            // Inverse depth, so that a far horizon leaves room for what is near.
+            let inverse = |z: f32| 1.0 / z.max(f32::MIN_POSITIVE);
+            let (far, near) = range(layers[0].data.iter().copied().filter(there).map(inverse));
+            let grey = |z: f32| if there(&z) { signal(0.1 + 0.9 * share(inverse(z), far, near)) } else { 0.0 };
             values.map(|z| z.map(grey)).collect()
         }
         "P" => {

@@ -16,6 +16,7 @@ use super::shutter::{Shutter, Until};
 use super::still::{self, Prepared, StillPlan, built};
 use super::thumbnail::Thumbnail;
 use super::turntable::{Turning, Turntable};
+use crate::denoise::Denoiser;
 use crate::document::Document;
 use crate::error::Error;
 use crate::mode::Mode;
@@ -49,6 +50,8 @@ pub struct SequencePlan {
     pub budget: Budget,
     /// Motion blur, where it is wanted.
     pub shutter: Option<Shutter>,
+    /// Where frames are denoised.
+    pub denoiser: Option<Denoiser>,
     /// Stands for everything that decides what a frame looks like; goes into each file, for resuming.
     pub settings: String,
 }
@@ -192,7 +195,12 @@ impl<M: Mode> Sequence<M> {
         let loading = self.loading.take();
         let parse_s = loading.map_or(0.0, |loading| loading.parse_s);
         let mut stats = self.prepared.stats(&self.document, &still, &image, parse_s);
-        let layers = Layers::new(&still.aovs, &image, survey.as_ref(), &self.document);
+        let mut layers = Layers::new(&still.aovs, &image, survey.as_ref(), &self.document);
+        let denoised = match (&self.plan.denoiser, &survey) {
+            (Some(denoiser), Some(survey)) => layers.denoise(denoiser, &image, survey, &still),
+            _ => Ok(0.0),
+        };
+        let (denoise_s, reason) = denoised.map_or_else(|error| (0.0, error.to_string()), |s| (s, String::new()));
         let mut picture = still::picture(&image, layers, self.prepared.header(&self.document, &still));
         picture.header.push((output::SETTINGS.to_owned(), HeaderValue::Text(self.plan.settings.clone())));
         picture.header.push(("imageCounter".to_owned(), HeaderValue::Int(frame as i32)));
@@ -214,6 +222,8 @@ impl<M: Mode> Sequence<M> {
             pilot_s: loading.map_or(0.0, |loading| loading.pilot_s),
             render_s: stats.render_s,
             render_cpu_s: stats.render_cpu_s,
+            reason,
+            denoise_s,
             write_s,
             rays: stats.rays,
             shadow_rays: stats.shadow_rays,

@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use crate::film::Verdict;
 use crate::output::Written;
+use crate::render::Survey;
 
 /// Everything measured about one picture. Seconds end in `_s`.
 #[derive(Clone, Debug, Serialize)]
@@ -32,6 +33,10 @@ pub struct Stats {
     /// Wall and user + system seconds of rendering alone.
     pub render_s: f64,
     pub render_cpu_s: f64,
+    /// Looking at the scene for further layers.
+    pub survey_s: f64,
+    pub survey_cpu_s: f64,
+    pub denoise_s: f64,
     pub write_s: f64,
     /// Since the process began to load.
     pub total_s: f64,
@@ -64,6 +69,13 @@ impl Stats {
         let mut text = serde_json::to_string_pretty(self).unwrap_or_default();
         text.push('\n');
         text
+    }
+
+    /// Adds what the further layers took.
+    pub fn add_layers(&mut self, survey: Option<&Survey>, denoise_s: f64) {
+        (self.survey_s, self.survey_cpu_s) = survey.map_or((0.0, 0.0), |survey| (survey.survey_s, survey.survey_cpu_s));
+        self.denoise_s = denoise_s;
+        self.total_s += self.survey_s + denoise_s;
     }
 
     /// Adds what writing the picture told.

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::aov::{Aov, Layers};
-use super::quick_look::quick_looks;
+use super::quick_look::{denoised, quick_looks};
 use super::stats::{FilmStats, Stats};
 use crate::document::{Document, Shape};
 use crate::error::Error;
@@ -27,6 +27,8 @@ pub struct StillPlan {
     pub render: Plan,
     pub look: Look,
     pub aovs: Vec<Aov>,
+    /// Whether the picture is denoised besides.
+    pub denoise: bool,
     /// Largest number of bytes for the picture; `None`: what the machine has left.
     pub max_memory: Option<u64>,
 }
@@ -34,7 +36,7 @@ pub struct StillPlan {
 impl StillPlan {
     /// True where the scene has to be looked at besides rendering it.
     pub fn needs_survey(&self) -> bool {
-        self.aovs.iter().any(|aov| aov.needs_survey())
+        self.denoise || self.aovs.iter().any(|aov| aov.needs_survey())
     }
 }
 
@@ -134,7 +136,7 @@ impl<M: Mode> Prepared<M> {
         if !plan.needs_survey() {
             return Ok(());
         }
-        let survey = survey.get_or_insert_with(|| Survey::new(self.camera.size, false));
+        let survey = survey.get_or_insert_with(|| Survey::new(self.camera.size, plan.denoise));
         Ok(survey.add(&self.scene, &self.camera, &plan.render, samples)?)
     }
 
@@ -163,6 +165,9 @@ impl<M: Mode> Prepared<M> {
             load_s,
             render_s: frame.render_s,
             render_cpu_s: frame.render_cpu_s,
+            survey_s: 0.0,
+            survey_cpu_s: 0.0,
+            denoise_s: 0.0,
             write_s: 0.0,
             total_s: load_s + frame.render_s,
             rays: frame.tally.rays,
@@ -234,7 +239,8 @@ fn biased(plan: &Plan) -> Option<String> {
 }
 
 /// Writes the picture in the format that its name asks for, and says how long that took. What PNG has no room for goes into
-/// files beside it: `NAME.png` and `NAME.N.png`.
+/// files beside it: `NAME.N.png` for the normals. Where there is a denoised picture `NAME.png` is that, and the other one
+/// `NAME.noisy.png`.
 ///
 /// # Errors
 /// The file cannot be written; an old file of that name is untouched then.
@@ -243,11 +249,17 @@ pub fn write(path: &Path, format: Format, picture: &Picture, look: Look) -> Resu
     let written = match format {
         Format::Exr => output::write_exr(path, picture, look.float)?,
         Format::Png => {
+            let beside = |name: &str| path.with_extension(format!("{name}.png"));
             for (name, layers) in quick_looks(picture) {
-                let beside = path.with_extension(format!("{name}.png"));
-                output::write_png(&beside, &layers, Display::PLAIN, look.png_depth)?;
+                output::write_png(&beside(&name), &layers, Display::PLAIN, look.png_depth)?;
             }
-            output::write_png(path, picture, look.display, look.png_depth)?
+            match denoised(picture) {
+                Some(denoised) => {
+                    output::write_png(&beside("noisy"), picture, look.display, look.png_depth)?;
+                    output::write_png(path, &denoised, look.display, look.png_depth)?
+                }
+                None => output::write_png(path, picture, look.display, look.png_depth)?,
+            }
         }
     };
     Ok((written, start.elapsed().as_secs_f64()))

@@ -5,6 +5,7 @@ mod batch_progress;
 mod chart;
 mod check;
 mod compare;
+mod denoise_args;
 mod encode;
 mod file_args;
 mod film;

@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use clap::{Args, ValueEnum};
 use signal_hook::consts::{SIGINT, SIGTERM};
 
+use super::denoise_args::DenoiseArgs;
 use super::file_args::FileArgs;
 use super::progress::{Progress, ProgressArg};
 use super::sampling::{SamplingArgs, Target};
@@ -18,6 +19,7 @@ use crate::batch::checkpoint::Saver;
 use crate::batch::still::{self, StillPlan};
 use crate::batch::{Transport, choose_mode};
 use crate::collada::Warning;
+use crate::denoise::Denoiser;
 use crate::document::{Document, RenderHints};
 use crate::error::Error;
 use crate::film::Rung;
@@ -101,6 +103,8 @@ pub struct PictureArgs {
     /// Brightness of PNG pictures, in stops [default: the scene's, or 0]
     #[arg(long, value_name = "EV", allow_negative_numbers = true)]
     exposure: Option<f32>,
+    #[command(flatten)]
+    pub(super) denoise: DenoiseArgs,
     #[command(flatten)]
     file: FileArgs,
     /// Most memory for the picture, like `8G` or `500M` [default: what the machine has left]
@@ -228,13 +232,15 @@ pub fn run(args: &RenderArgs) -> Result<(), Error> {
     let parse_s = loading.elapsed().as_secs_f64();
     args.talk.warn(&warnings);
 
-    let plan = args.picture.plan(&document.render);
+    let mut plan = args.picture.plan(&document.render);
+    let denoiser = args.picture.denoise.load(target == Target::Part, &args.talk)?;
+    plan.denoise &= denoiser.is_some();
     let (stage, camera, notes) = still::stage(&document, &plan)?;
     for note in &notes {
         args.talk.inform(note);
     }
     let transport = args.picture.transport(&document, &plan, &stage, &camera, &args.talk)?;
-    let job = Job { args, document: &document, plan: &plan, stage: &stage, camera: &camera, target, parse_s };
+    let job = Job { args, document: &document, plan: &plan, stage: &stage, camera: &camera, target, denoiser, parse_s };
     match (transport, args.picture.wavelengths()) {
         (Transport::Rgb, _) => job.render::<Rgb>(),
         (Transport::Spectral, 4) => job.render::<Spectral<4>>(),
@@ -251,6 +257,7 @@ struct Job<'a> {
     stage: &'a Arc<Stage>,
     camera: &'a Camera,
     target: Target,
+    denoiser: Option<Denoiser>,
     parse_s: f64,
 }
 
@@ -293,7 +300,17 @@ impl Job<'_> {
         if let Target::Picture(format) = self.target {
             let mut survey = None;
             prepared.look(plan, &mut survey, 0..frame.spp)?;
-            let layers = Layers::new(&plan.aovs, &frame, survey.as_ref(), document);
+            let mut layers = Layers::new(&plan.aovs, &frame, survey.as_ref(), document);
+            let denoise_s = match (&self.denoiser, &survey) {
+                (Some(denoiser), Some(survey)) => {
+                    layers.denoise(denoiser, &frame, survey, plan).unwrap_or_else(|error| {
+                        args.talk.inform(&format!("warning: {error}; the picture stays noisy"));
+                        0.0
+                    })
+                }
+                _ => 0.0,
+            };
+            stats.add_layers(survey.as_ref(), denoise_s);
             let picture = still::picture(&frame, layers, prepared.header(document, plan));
             let (written, write_s) = still::write(&args.output, format, &picture, plan.look)?;
             stats.finish(&written, write_s);
@@ -440,6 +457,7 @@ impl PictureArgs {
                 ..Display::default()
             }),
             aovs: self.file.aovs(),
+            denoise: self.denoise.is_wanted(),
             max_memory: self.max_memory,
         }
     }

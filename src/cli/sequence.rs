@@ -22,6 +22,7 @@ use crate::batch::sequence::{Loading, Motion, Sequence, SequencePlan, Staged};
 use crate::batch::shutter::Shutter;
 use crate::batch::still::{self, StillPlan};
 use crate::batch::{Thumbnail, Transport};
+use crate::denoise::Denoiser;
 use crate::document::Document;
 use crate::error::Error;
 use crate::mode::{Mode, Rgb, Spectral};
@@ -139,6 +140,7 @@ pub struct Work<'a> {
     talk: &'a TalkArgs,
     start: Instant,
     parse_s: f64,
+    denoiser: Option<Denoiser>,
 }
 
 /// What rendering needs besides the sequence.
@@ -172,11 +174,13 @@ impl<'a> Work<'a> {
         let parse_s = start.elapsed().as_secs_f64();
         talk.warn(&warnings);
         let mut still = picture.plan(&document.render);
+        let denoiser = picture.denoise.load(false, talk)?;
+        still.denoise &= denoiser.is_some();
         if args.has_budget() && picture.spp.is_none() {
             still.render.spp = MOST_SPP;
         }
         let suffix = String::new();
-        Ok(Self { document, suffix, still, pattern, format, scene, picture, args, talk, start, parse_s })
+        Ok(Self { document, suffix, still, pattern, format, scene, picture, args, talk, start, parse_s, denoiser })
     }
 
     /// Renders what is to be rendered. `motion_words` tell motions apart.
@@ -234,6 +238,7 @@ impl<'a> Work<'a> {
             seed_lock: self.args.seed_lock,
             budget: self.args.budget(),
             shutter: self.args.shutter,
+            denoiser: self.denoiser,
             settings,
         };
         let scene = Staged {

@@ -49,7 +49,9 @@ const AGX_STOPS: [f32; 2] = [-12.473_93, 4.026_069];
 /// AgX's curve over those stops, highest power first.
 const AGX_CURVE: [f32; 7] = [15.5, -40.14, 31.96, -6.868, 0.4298, 0.1191, -0.002_32];
 /// What the filmic curve leaves mid grey at 0.18 with.
-const FILMIC_EXPOSURE: f32 = 0.7213;
+const FILMIC_EXPOSURE: f32 = 0.723_17;
+/// Brighter is not told apart: infinity has no hue.
+const BRIGHTEST: f32 = 1e6;
 
 impl View {
     /// The signal, 0..1, of linear sRGB; and whether the colour is none that sRGB holds (or not a number, which becomes
@@ -58,6 +60,7 @@ impl View {
         if rgb.is_nan() {
             return (Vec3::ZERO, true);
         }
+        let rgb = rgb.clamp(Vec3::splat(-BRIGHTEST), Vec3::splat(BRIGHTEST));
         let negative = rgb.min_element() < 0.0;
         let outside = negative || rgb.max_element() > 1.0;
         match self {
@@ -85,8 +88,6 @@ fn clipped(linear: f32) -> f32 {
 }
 
 fn filmic(x: f32) -> f32 {
-    // Beyond this it is flat; infinity divided by itself is no number.
-    let x = x.min(1e6);
     x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14)
 }
 

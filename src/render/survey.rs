@@ -6,10 +6,12 @@
 
 use std::collections::BTreeMap;
 use std::ops::Range;
+use std::time::Instant;
 
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
+use super::clock::CpuClock;
 use super::{Plan, RenderError, camera_sample, pool};
 use crate::embree::BATCH;
 use crate::integrate::{Clue, Looker, Sight};
@@ -68,13 +70,16 @@ pub struct Survey {
     rows: Vec<Row>,
     samples: u32,
     with_clues: bool,
+    /// Wall and user + system seconds.
+    pub survey_s: f64,
+    pub survey_cpu_s: f64,
 }
 
 impl Survey {
     /// `with_clues`: with [`Seen::clue`].
     pub fn new([width, height]: [u32; 2], with_clues: bool) -> Self {
         let row = Row { pixels: vec![Seen::NOTHING; width as usize], nodes: Counts::new(), materials: Counts::new() };
-        Self { rows: vec![row; height as usize], samples: 0, with_clues }
+        Self { rows: vec![row; height as usize], samples: 0, with_clues, survey_s: 0.0, survey_cpu_s: 0.0 }
     }
 
     /// Looks along the camera rays of these samples of every pixel, up to the first 256.
@@ -89,6 +94,7 @@ impl Survey {
         samples: Range<u32>,
     ) -> Result<(), RenderError> {
         let samples = samples.start..samples.end.min(MOST_SAMPLES);
+        let (clock, cpu_clock) = (Instant::now(), CpuClock::start());
         let looker = Looker::new(scene, self.with_clues);
         pool(plan)?.install(|| {
             self.rows.par_iter_mut().enumerate().for_each(|(y, row)| {
@@ -98,6 +104,8 @@ impl Survey {
             });
         });
         self.samples += samples.len() as u32;
+        self.survey_s += clock.elapsed().as_secs_f64();
+        self.survey_cpu_s += cpu_clock.seconds();
         Ok(())
     }
 
