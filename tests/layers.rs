@@ -174,6 +174,38 @@ fn frames_have_layers_too_and_blur_with_their_shutter() {
     assert!(partly(&blurred) > partly(&sharp), "{} {}", partly(&blurred), partly(&sharp));
 }
 
+/// A point light and a shining square: what each gives is the other's missing part.
+#[test]
+fn light_groups_add_up_to_the_picture() {
+    let folder = Folder::new("lights");
+    for mode in ["rgb", "spectral"] {
+        for strategy in ["shared", "mis"] {
+            let common = ["moving.dae", "--float", "-q", "--spp", "16", "--mode", mode, "--strategy", strategy, "-o"];
+            let [file, plain] = ["a.exr", "b.exr"].map(|name| folder.file(name));
+            succeed(&[&["render"], &common[..], &[&file, "--aov", "lights"]].concat());
+            succeed(&[&["render"], &common[..], &[&plain]].concat());
+            let [picture, plain] = [&file, &plain].map(|file| read_exr(Path::new(file)).unwrap());
+            let mut shares = [0.0; 2];
+            for (index, pixel) in picture.rgba.iter().enumerate() {
+                for (channel, letter) in ["R", "G", "B"].into_iter().enumerate() {
+                    let parts = ["bulb", "glow"].map(|name| layer(&picture, &format!("lg_{name}.{letter}"))[index]);
+                    let sum = parts[0] + parts[1];
+                    assert!((sum - pixel[channel]).abs() <= 1e-5 * pixel[channel].abs().max(1e-3), "{sum} {pixel:?}");
+                    let alone = plain.rgba[index][channel];
+                    assert!((sum - alone).abs() <= 1e-4 * alone.abs().max(1e-3), "{mode} {strategy}: {sum} is {alone}");
+                    shares.iter_mut().zip(parts).for_each(|(share, part)| *share += part);
+                }
+            }
+            assert!(shares.iter().all(|&share| share > 0.0), "{shares:?}");
+        }
+    }
+    let file = folder.file("c.exr");
+    let refuse =
+        |options: &[&str]| fail(2, &[&["render", "room.dae", "-o", &file, "--aov", "lights"], options].concat());
+    assert!(refuse(&["--checkpoint", "5m"]).contains("--checkpoint"));
+    assert!(refuse(&["--wavelengths", "16"]).contains("8 wavelengths"));
+}
+
 #[test]
 fn what_has_no_scene_says_so() {
     let folder = Folder::new("no-scene");

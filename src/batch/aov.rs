@@ -4,15 +4,15 @@ use std::time::Instant;
 
 use glam::Vec3;
 
-use super::still::StillPlan;
-use crate::denoise::{Denoiser, Noisy};
+use crate::denoise::{DenoiseError, Denoiser, Noisy};
 use crate::document::Document;
-use crate::error::Error;
 use crate::output::{HeaderValue, Layer, LayerKind, cryptomatte};
 use crate::render::{Frame, Seen, Survey};
 
 /// The layer of the picture without its noise.
 pub const DENOISED: &str = "denoised";
+/// Beginning of the layer of each light group.
+pub const LIGHT_GROUP: &str = "lg_";
 /// The channels of [`Aov::Variance`].
 pub const VARIANCE: [&str; 3] = ["variance.R", "variance.G", "variance.B"];
 
@@ -42,6 +42,8 @@ pub enum Aov {
     Object,
     /// The same by the ids of materials.
     Material,
+    /// The part of each light, or of each group of them ([`LightGroups`](crate::scene::LightGroups)): `lg_NAME`.
+    Lights,
 }
 
 /// Layers with what the file's header has to say about them.
@@ -66,12 +68,13 @@ impl Aov {
             Self::SampleCount => "sampleCount",
             Self::Object => "CryptoObject",
             Self::Material => "CryptoMaterial",
+            Self::Lights => "lights",
         }
     }
 
     /// True where the scene has to be looked at for it, not only the picture.
     pub fn needs_survey(self) -> bool {
-        !matches!(self, Self::Variance | Self::SampleCount)
+        !matches!(self, Self::Variance | Self::SampleCount | Self::Lights)
     }
 
     /// Its channels, as far as their names are known beforehand.
@@ -86,7 +89,7 @@ impl Aov {
             Self::Film => &["film.thickness_nm"],
             Self::Variance => &VARIANCE,
             Self::SampleCount => &["sampleCount"],
-            Self::Object | Self::Material => &[],
+            Self::Object | Self::Material | Self::Lights => &[],
         }
     }
 
@@ -107,7 +110,7 @@ impl Aov {
             Self::Position => seen.position,
             Self::Uv => seen.uv.extend(0.0),
             Self::Film => Vec3::splat(seen.film_nm),
-            Self::Variance | Self::SampleCount | Self::Object | Self::Material => Vec3::ZERO,
+            Self::Variance | Self::SampleCount | Self::Object | Self::Material | Self::Lights => Vec3::ZERO,
         }
     }
 }
@@ -140,7 +143,7 @@ impl Layers {
         let count = survey.pixels().count();
         for &aov in aovs {
             match aov {
-                Aov::Variance | Aov::SampleCount => {}
+                Aov::Variance | Aov::SampleCount | Aov::Lights => {}
                 Aov::Object => {
                     let name = |node| document.node_name(node as usize);
                     self.add_mattes(cryptomatte(aov.name(), count, survey.nodes(), name));
@@ -154,6 +157,14 @@ impl Layers {
         }
     }
 
+    /// Adds a layer of R, G and B.
+    pub fn add_color(&mut self, name: &str, kind: LayerKind, pixels: &[[f32; 3]]) {
+        for (channel, letter) in ["R", "G", "B"].into_iter().enumerate() {
+            let data = pixels.iter().map(|rgb| rgb[channel]).collect();
+            self.layers.push(Layer { name: format!("{name}.{letter}"), kind, data });
+        }
+    }
+
     /// Adds the picture without its noise, in the kind of the picture itself; gives back the seconds that it took.
     ///
     /// # Errors
@@ -163,8 +174,9 @@ impl Layers {
         denoiser: &Denoiser,
         frame: &Frame,
         survey: &Survey,
-        plan: &StillPlan,
-    ) -> Result<f64, Error> {
+        kind: LayerKind,
+        threads: usize,
+    ) -> Result<f64, DenoiseError> {
         let clock = Instant::now();
         let noisy = Noisy {
             width: frame.width as usize,
@@ -173,12 +185,8 @@ impl Layers {
             albedo: survey.pixels().map(|seen| seen.clue.albedo).collect(),
             normal: survey.pixels().map(|seen| seen.clue.normal).collect(),
         };
-        let clean = denoiser.denoise(noisy, plan.render.threads)?;
-        let kind = if plan.look.float { LayerKind::Float } else { LayerKind::Half };
-        for (channel, letter) in ["R", "G", "B"].into_iter().enumerate() {
-            let data = clean.iter().map(|rgb| rgb[channel]).collect();
-            self.layers.push(Layer { name: format!("{DENOISED}.{letter}"), kind, data });
-        }
+        let clean = denoiser.denoise(noisy, threads)?;
+        self.add_color(DENOISED, kind, &clean);
         self.header.push(("pellicle/denoiser".to_owned(), HeaderValue::Text(denoiser.version())));
         Ok(clock.elapsed().as_secs_f64())
     }

@@ -8,7 +8,6 @@ use std::time::Instant;
 use glam::{Mat3, Vec3};
 
 use super::animate::Animation;
-use super::aov::Layers;
 use super::budget::{Budget, Limited, Schedule};
 use super::frames::Pattern;
 use super::row::Row;
@@ -195,11 +194,8 @@ impl<M: Mode> Sequence<M> {
         let loading = self.loading.take();
         let parse_s = loading.map_or(0.0, |loading| loading.parse_s);
         let mut stats = self.prepared.stats(&self.document, &still, &image, parse_s);
-        let mut layers = Layers::new(&still.aovs, &image, survey.as_ref(), &self.document);
-        let denoised = match (&self.plan.denoiser, &survey) {
-            (Some(denoiser), Some(survey)) => layers.denoise(denoiser, &image, survey, &still),
-            _ => Ok(0.0),
-        };
+        let denoiser = self.plan.denoiser.as_ref();
+        let (layers, denoised) = self.prepared.layers(&self.document, &still, &image, survey.as_ref(), denoiser);
         let (denoise_s, reason) = denoised.map_or_else(|error| (0.0, error.to_string()), |s| (s, String::new()));
         let mut picture = still::picture(&image, layers, self.prepared.header(&self.document, &still));
         picture.header.push((output::SETTINGS.to_owned(), HeaderValue::Text(self.plan.settings.clone())));

@@ -5,16 +5,17 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::aov::{Aov, Layers};
+use super::aov::{Aov, LIGHT_GROUP, Layers};
 use super::quick_look::{denoised, quick_looks};
 use super::stats::{FilmStats, Stats};
+use crate::denoise::{DenoiseError, Denoiser};
 use crate::document::{Document, Shape};
 use crate::error::Error;
 use crate::film::Verdict;
 use crate::mode::Mode;
-use crate::output::{self, Display, Format, HeaderValue, Picture, PngDepth, Written};
+use crate::output::{self, Display, Format, HeaderValue, LayerKind, Picture, PngDepth, Written};
 use crate::render::{self, Accumulation, Frame, Plan, Survey, Watch};
-use crate::scene::{BuildError, Camera, FilmOptions, Framing, Placed, Scene, Stage};
+use crate::scene::{BuildError, Camera, FilmOptions, Framing, LightGroups, Placed, Scene, Stage};
 
 /// What is to be made, with every default filled in.
 #[derive(Clone, Debug)]
@@ -34,6 +35,11 @@ pub struct StillPlan {
 }
 
 impl StillPlan {
+    /// True where each light has a layer of its own: the colour mode must be a [`Grouped`](crate::mode::Grouped) one then.
+    pub fn tells_lights_apart(&self) -> bool {
+        self.aovs.contains(&Aov::Lights)
+    }
+
     /// True where the scene has to be looked at besides rendering it.
     pub fn needs_survey(&self) -> bool {
         self.denoise || self.aovs.iter().any(|aov| aov.needs_survey())
@@ -64,11 +70,13 @@ pub fn movable_stage(
     plan: &StillPlan,
     moving: Vec<bool>,
 ) -> Result<(Stage, Camera, Placed, Vec<String>), Error> {
-    let stage = Stage::movable(document, plan.render.threads, moving).map_err(|source| built(document, source))?;
+    let groups = if plan.tells_lights_apart() { LightGroups::new(document) } else { LightGroups::default() };
+    let stage =
+        Stage::movable(document, plan.render.threads, moving, groups).map_err(|source| built(document, source))?;
     let (camera, placed) =
         Camera::new(document, plan.camera.as_deref(), plan.size, plan.framing, stage.bounds).map_err(Error::Usage)?;
     let limit = plan.max_memory.unwrap_or_else(render::available_memory);
-    render::check_memory(camera.size, plan.needs_survey(), limit)?;
+    render::check_memory(camera.size, plan.needs_survey() || plan.tells_lights_apart(), limit)?;
     let mut notes = Vec::new();
     match placed {
         Placed::AsWritten => {}
@@ -138,6 +146,28 @@ impl<M: Mode> Prepared<M> {
         }
         let survey = survey.get_or_insert_with(|| Survey::new(self.camera.size, plan.denoise));
         Ok(survey.add(&self.scene, &self.camera, &plan.render, samples)?)
+    }
+
+    /// Everything that goes into the picture's file besides its colours, and the seconds that denoising took, or
+    /// why it failed.
+    pub fn layers(
+        &self,
+        document: &Document,
+        plan: &StillPlan,
+        frame: &Frame,
+        survey: Option<&Survey>,
+        denoiser: Option<&Denoiser>,
+    ) -> (Layers, Result<f64, DenoiseError>) {
+        let mut layers = Layers::new(&plan.aovs, frame, survey, document);
+        let kind = if plan.look.float { LayerKind::Float } else { LayerKind::Half };
+        for (name, part) in self.scene.stage.groups.names.iter().zip(&frame.groups) {
+            layers.add_color(&format!("{LIGHT_GROUP}{name}"), kind, part);
+        }
+        let denoise_s = match (denoiser, survey) {
+            (Some(denoiser), Some(survey)) => layers.denoise(denoiser, frame, survey, kind, plan.render.threads),
+            _ => Ok(0.0),
+        };
+        (layers, denoise_s)
     }
 
     /// All that is known before the picture is written; [`Stats::finish`] adds the rest.
@@ -251,7 +281,8 @@ pub fn write(path: &Path, format: Format, picture: &Picture, look: Look) -> Resu
         Format::Png => {
             let beside = |name: &str| path.with_extension(format!("{name}.png"));
             for (name, layers) in quick_looks(picture) {
-                output::write_png(&beside(&name), &layers, Display::PLAIN, look.png_depth)?;
+                let display = if name.starts_with(LIGHT_GROUP) { look.display } else { Display::PLAIN };
+                output::write_png(&beside(&name), &layers, display, look.png_depth)?;
             }
             match denoised(picture) {
                 Some(denoised) => {

@@ -66,6 +66,8 @@ enum AovArg {
     Object,
     /// Cryptomatte of materials (CryptoMaterial00, ...)
     Material,
+    /// The part of each light, shining material and the environment (lg_NAME), up to eight
+    Lights,
 }
 
 impl From<ViewArg> for View {
@@ -93,6 +95,7 @@ impl AovArg {
             Self::Samples => Aov::SampleCount,
             Self::Object => Aov::Object,
             Self::Material => Aov::Material,
+            Self::Lights => Aov::Lights,
         }
     }
 }
@@ -113,6 +116,16 @@ impl FileArgs {
         aovs
     }
 
+    /// Telling lights apart has its limits.
+    pub fn check_lights(&self, wavelengths: usize, has_checkpoints: bool) -> Result<(), Error> {
+        let problem = match (self.aovs().contains(&Aov::Lights), wavelengths, has_checkpoints) {
+            (false, ..) | (true, 8, false) => return Ok(()),
+            (true, 8, true) => "checkpoints do not tell lights apart; leave out --checkpoint and --resume",
+            _ => "lights are told apart with 8 wavelengths only; leave out --wavelengths",
+        };
+        Err(Error::Usage(format!("--aov lights: {problem}")))
+    }
+
     /// A part holds nothing but sums.
     pub fn check_part(&self) -> Result<(), Error> {
         if self.aovs.is_empty() {
@@ -124,7 +137,7 @@ impl FileArgs {
 
     /// Merging knows sums, but no scene.
     pub fn check_merge(&self) -> Result<(), Error> {
-        match self.aovs().into_iter().find(|aov| aov.needs_survey()) {
+        match self.aovs().into_iter().find(|aov| aov.needs_survey() || *aov == Aov::Lights) {
             None => Ok(()),
             Some(aov) => Err(Error::Usage(format!(
                 "parts know nothing of {}: render it from the scene, which is cheap: `--max-bounces 0 --spp 64 --aov ... -o layers.exr`",

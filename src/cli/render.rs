@@ -14,7 +14,6 @@ use super::progress::{Progress, ProgressArg};
 use super::sampling::{SamplingArgs, Target};
 use super::scene_args::{FramingArg, SceneArgs};
 use super::{print, say};
-use crate::batch::aov::Layers;
 use crate::batch::checkpoint::Saver;
 use crate::batch::still::{self, StillPlan};
 use crate::batch::{Transport, choose_mode};
@@ -24,7 +23,7 @@ use crate::document::{Document, RenderHints};
 use crate::error::Error;
 use crate::film::Rung;
 use crate::integrate::{PathLimits, Strategy};
-use crate::mode::{Mode, Rgb, Spectral};
+use crate::mode::{Grouped, Mode, Rgb, Spectral};
 use crate::output::{self, Display};
 use crate::render::{Accumulation, Filter, Plan};
 use crate::scene::{Camera, FilmOptions, Stage};
@@ -106,7 +105,7 @@ pub struct PictureArgs {
     #[command(flatten)]
     pub(super) denoise: DenoiseArgs,
     #[command(flatten)]
-    file: FileArgs,
+    pub(super) file: FileArgs,
     /// Most memory for the picture, like `8G` or `500M` [default: what the machine has left]
     #[arg(long, value_name = "SIZE", value_parser = parse_bytes)]
     max_memory: Option<u64>,
@@ -223,6 +222,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Error> {
     if target == Target::Part {
         args.picture.file.check_part()?;
     }
+    args.picture.file.check_lights(args.picture.wavelengths(), args.sampling.checkpoint().is_some())?;
     if let Some(stats) = &args.stats {
         output::check_writable(stats)?;
     }
@@ -242,6 +242,8 @@ pub fn run(args: &RenderArgs) -> Result<(), Error> {
     let transport = args.picture.transport(&document, &plan, &stage, &camera, &args.talk)?;
     let job = Job { args, document: &document, plan: &plan, stage: &stage, camera: &camera, target, denoiser, parse_s };
     match (transport, args.picture.wavelengths()) {
+        (Transport::Rgb, _) if plan.tells_lights_apart() => job.render::<Grouped<Rgb>>(),
+        (Transport::Spectral, _) if plan.tells_lights_apart() => job.render::<Grouped<Spectral<8>>>(),
         (Transport::Rgb, _) => job.render::<Rgb>(),
         (Transport::Spectral, 4) => job.render::<Spectral<4>>(),
         (Transport::Spectral, 16) => job.render::<Spectral<16>>(),
@@ -300,16 +302,11 @@ impl Job<'_> {
         if let Target::Picture(format) = self.target {
             let mut survey = None;
             prepared.look(plan, &mut survey, 0..frame.spp)?;
-            let mut layers = Layers::new(&plan.aovs, &frame, survey.as_ref(), document);
-            let denoise_s = match (&self.denoiser, &survey) {
-                (Some(denoiser), Some(survey)) => {
-                    layers.denoise(denoiser, &frame, survey, plan).unwrap_or_else(|error| {
-                        args.talk.inform(&format!("warning: {error}; the picture stays noisy"));
-                        0.0
-                    })
-                }
-                _ => 0.0,
-            };
+            let (layers, denoised) = prepared.layers(document, plan, &frame, survey.as_ref(), self.denoiser.as_ref());
+            let denoise_s = denoised.unwrap_or_else(|error| {
+                args.talk.inform(&format!("warning: {error}; the picture stays noisy"));
+                0.0
+            });
             stats.add_layers(survey.as_ref(), denoise_s);
             let picture = still::picture(&frame, layers, prepared.header(document, plan));
             let (written, write_s) = still::write(&args.output, format, &picture, plan.look)?;

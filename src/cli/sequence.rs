@@ -25,7 +25,7 @@ use crate::batch::{Thumbnail, Transport};
 use crate::denoise::Denoiser;
 use crate::document::Document;
 use crate::error::Error;
-use crate::mode::{Mode, Rgb, Spectral};
+use crate::mode::{Grouped, Mode, Rgb, Spectral};
 use crate::output::{self, Display, Format};
 use crate::study::report;
 
@@ -164,6 +164,7 @@ impl<'a> Work<'a> {
         args: &'a SequenceArgs,
         talk: &'a TalkArgs,
     ) -> Result<Self, Error> {
+        picture.file.check_lights(picture.wavelengths(), false)?;
         let start = Instant::now();
         let (pattern, inserted) = Pattern::parse(&args.output).map_err(Error::Usage)?;
         if inserted {
@@ -252,7 +253,10 @@ impl<'a> Work<'a> {
             loading,
             start: self.start,
         };
+        let lights = scene.still.tells_lights_apart();
         match (transport, self.picture.wavelengths.as_str()) {
+            (Transport::Rgb, _) if lights => rest.render(scene.sequence::<Grouped<Rgb>>()?),
+            (Transport::Spectral, _) if lights => rest.render(scene.sequence::<Grouped<Spectral<8>>>()?),
             (Transport::Rgb, _) => rest.render(scene.sequence::<Rgb>()?),
             (Transport::Spectral, "4") => rest.render(scene.sequence::<Spectral<4>>()?),
             (Transport::Spectral, "16") => rest.render(scene.sequence::<Spectral<16>>()?),

@@ -125,6 +125,8 @@ impl Accumulation {
         let mut variance = vec![[0.0; 3]; count];
         let mut samples = vec![0; count];
         let spp = self.spp();
+        let parts = self.tiles.first().map_or(0, |tile| tile.lights.len() / tile.sums.len());
+        let mut groups = vec![vec![[0.0; 3]; count]; parts];
         for tile in self.tiles {
             let own = tile.next - self.samples.start;
             for i in 0..tile.sums.len() {
@@ -132,11 +134,14 @@ impl Accumulation {
                 let index = y as usize * width as usize + x as usize;
                 let channels = estimate(&tile.sums.get(i), own);
                 samples[index] = own;
+                for (group, mean) in groups.iter_mut().zip(tile.light_means(i, own)) {
+                    group[index] = mean;
+                }
                 rgb[index] = channels.map(|(mean, _)| mean as f32);
                 variance[index] = channels.map(|(_, variance)| variance as f32);
             }
         }
         let Self { tally, threads, render_s, render_cpu_s, .. } = self;
-        Frame { width, height, spp, samples, rgb, variance, tally, threads, render_s, render_cpu_s }
+        Frame { width, height, spp, samples, rgb, variance, groups, tally, threads, render_s, render_cpu_s }
     }
 }

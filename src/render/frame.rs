@@ -16,6 +16,8 @@ pub struct Frame {
     pub rgb: Vec<[f32; 3]>,
     /// Variance of each pixel's mean, per channel; infinite below two samples.
     pub variance: Vec<[f32; 3]>,
+    /// The part of each light group, where they are told apart.
+    pub groups: Vec<Vec<[f32; 3]>>,
     pub tally: Tally,
     pub threads: usize,
     /// Wall and user + system seconds of rendering alone.

@@ -18,7 +18,7 @@ use arrayvec::ArrayVec;
 pub use clock::{CpuClock, available_memory, peak_rss_mb};
 pub use filter::Filter;
 pub use frame::Frame;
-use glam::Vec2;
+use glam::{DVec3, Vec2};
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 use sums::Samples;
@@ -74,15 +74,15 @@ pub enum RenderError {
 /// Bytes per pixel at the peak, where the sums become a [`Frame`]: 76 by their types, with room for the rest.
 /// (Tiles that go on in 128 bits take 48 more; they are those of lamps and fireflies.)
 const BYTES_PER_PIXEL: u64 = 80;
-/// What a [`Survey`] and the layers that are made of it take besides.
-const SURVEY_BYTES_PER_PIXEL: u64 = 240;
+/// What a [`Survey`], or the sums of light groups, and the layers that are made of them take besides.
+const LAYER_BYTES_PER_PIXEL: u64 = 240;
 
 /// Refuses pictures that would not fit into `limit` bytes: a failed allocation could only abort the program, after hours.
 ///
 /// # Errors
 /// The bytes that the picture needs and those that there are.
-pub fn check_memory([width, height]: [u32; 2], surveyed: bool, limit: u64) -> Result<(), RenderError> {
-    let per_pixel = BYTES_PER_PIXEL + if surveyed { SURVEY_BYTES_PER_PIXEL } else { 0 };
+pub fn check_memory([width, height]: [u32; 2], layered: bool, limit: u64) -> Result<(), RenderError> {
+    let per_pixel = BYTES_PER_PIXEL + if layered { LAYER_BYTES_PER_PIXEL } else { 0 };
     let bytes = u64::from(width) * u64::from(height) * per_pixel;
     if bytes > limit { Err(RenderError::Memory { width, height, bytes, limit }) } else { Ok(()) }
 }
@@ -166,15 +166,18 @@ fn render_tile<M: Mode>(
         Some(edges) => edges,
         None => Edges::find(scene, camera, plan, tile, &mut tally),
     };
+    let mut lights = std::mem::take(&mut tile.lights);
+    lights.resize(tile.sums.len() * M::GROUPS, DVec3::ZERO);
     for group in tile.groups() {
         let mut sums: [Samples; GROUP] = Default::default();
         for index in samples.clone() {
-            render_group(scene, camera, plan, (tile, &edges), &group, index, &mut sums, &mut tally);
+            render_group(scene, camera, plan, (tile, &edges), &group, index, &mut sums, &mut lights, &mut tally);
         }
         for (&member, sum) in group.iter().zip(&sums) {
             tile.sums.add_samples(member as usize, sum);
         }
     }
+    tile.lights = lights;
     tile.edges = Some(edges);
     tile.next = samples.end;
     tally
@@ -206,6 +209,7 @@ fn render_group<M: Mode>(
     group: &[u32],
     index: u32,
     sums: &mut [Samples; GROUP],
+    lights: &mut [DVec3],
     tally: &mut Tally,
 ) {
     let number = |place| number(camera, place);
@@ -230,12 +234,18 @@ fn render_group<M: Mode>(
             path.radiance += edge::seen_sample(scene, camera, plan, ([x, y], number([x, y])), index, &waves, tally);
         }
     }
-    for (path, sum) in paths.iter().zip(sums) {
+    for ((path, sum), &member) in paths.iter().zip(sums).zip(group) {
         if path.radiance.is_finite() {
             let mut rgb = M::to_rgb(path.radiance, &path.waves, &scene.stage.sensor);
+            let mut scale = 1.0;
             if let Some(limit) = plan.clamp.filter(|&limit| rgb.abs().max_element() > limit) {
-                rgb *= limit / rgb.abs().max_element();
+                scale = limit / rgb.abs().max_element();
+                rgb *= scale;
                 tally.clamped += 1;
+            }
+            for number in 0..M::GROUPS {
+                let part = M::group_to_rgb(&path.radiance, number, &path.waves, &scene.stage.sensor) * scale;
+                lights[member as usize * M::GROUPS + number] += part.as_dvec3();
             }
             tally.beyond_range += u64::from(!sum.add(rgb));
         } else {

@@ -1,6 +1,7 @@
 //! Tiles keep their own sums, so that threads never share a cache line.
 
 use arrayvec::ArrayVec;
+use glam::DVec3;
 
 use super::edge::Edges;
 use super::sums::Sums;
@@ -17,6 +18,8 @@ pub struct Tile {
     /// The sample index that each pixel goes on with.
     pub next: u32,
     pub sums: Sums,
+    /// Of each pixel the sums of each light group; empty where they are not told apart.
+    pub lights: Vec<DVec3>,
     /// Found with the first samples.
     pub edges: Option<Edges>,
 }
@@ -36,6 +39,13 @@ impl Tile {
             groups[(block * BLOCK + (x + 3 * y) % BLOCK) as usize].push(pixel);
         }
         groups
+    }
+
+    /// What each light group has in a pixel: the mean of `spp` samples.
+    pub fn light_means(&self, pixel: usize, spp: u32) -> impl Iterator<Item = [f32; 3]> + '_ {
+        let count = self.lights.len() / self.sums.len();
+        let share = 1.0 / f64::from(spp.max(1));
+        self.lights[pixel * count..][..count].iter().map(move |sum| (*sum * share).as_vec3().to_array())
     }
 
     pub fn height(&self) -> u32 {
@@ -58,7 +68,7 @@ impl Tile {
             let (x0, y0) = (column * TILE_SIDE, row * TILE_SIDE);
             let (tile_width, tile_height) = ((width - x0).min(TILE_SIDE), (height - y0).min(TILE_SIDE));
             let sums = Sums::new((tile_width * tile_height) as usize);
-            Self { x0, y0, width: tile_width, next: first, sums, edges: None }
+            Self { x0, y0, width: tile_width, next: first, sums, lights: Vec::new(), edges: None }
         };
         places.into_iter().map(tile).collect()
     }

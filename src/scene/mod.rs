@@ -6,6 +6,7 @@
 mod assembly;
 mod camera;
 mod environment;
+mod groups;
 mod light;
 mod lighting;
 mod material;
@@ -20,6 +21,7 @@ use std::time::Instant;
 
 pub use camera::{Camera, Framing, Placed, cameras};
 use glam::{Vec2, Vec3};
+pub use groups::LightGroups;
 use light::Source;
 pub use light::{LightAt, LightSample, Lights};
 pub use material::Material;
@@ -28,7 +30,7 @@ pub use surface::{Place, Surface};
 use texture::{Texture, lookup_rgb};
 use thiserror::Error;
 
-use crate::color::IndexError;
+use crate::color::{Emission, IndexError};
 use crate::document::Document;
 use crate::embree::{EmbreeError, Hit, Hits, Ray};
 use crate::film::{Rung, Verdict};
@@ -79,7 +81,8 @@ impl<M: Mode> Scene<M> {
         let start = Instant::now();
         let compile = |material| Material::<M>::new(material, &stage.sensor, options);
         let materials = stage.materials.iter().map(compile).collect::<Result<Vec<_>, _>>()?;
-        let spectra = stage.spectra.iter().map(|emission| M::spectrum(emission, &stage.sensor)).collect();
+        let compile = |(emission, group): &(Emission, usize)| M::group_spectrum(emission, *group, &stage.sensor);
+        let spectra = stage.spectra.iter().map(compile).collect();
         let lets_through = materials.iter().any(Material::lets_through);
         let materials_s = start.elapsed().as_secs_f64();
         Ok(Self { stage, materials, spectra, lets_through, materials_s })
