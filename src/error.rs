@@ -5,7 +5,6 @@ use std::path::PathBuf;
 use thiserror::Error;
 
 use crate::collada::SceneError;
-use crate::denoise::DenoiseError;
 use crate::document::PoseError;
 use crate::output::OutputError;
 use crate::render::RenderError;
@@ -21,8 +20,6 @@ pub enum Error {
     Pose(#[from] PoseError),
     #[error(transparent)]
     Render(#[from] RenderError),
-    #[error(transparent)]
-    Denoise(#[from] DenoiseError),
     #[error(transparent)]
     Output(#[from] OutputError),
     /// What was asked for makes no sense together, or with this scene.
@@ -57,7 +54,7 @@ impl Error {
     /// something to go on from, 128 + n stopped by signal n.
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Scene(_) | Self::Build { .. } | Self::Pose(_) | Self::Render(_) | Self::Denoise(_) => 1,
+            Self::Scene(_) | Self::Build { .. } | Self::Pose(_) | Self::Render(_) => 1,
             Self::Output(OutputError::Damaged { .. }) | Self::Frames { .. } | Self::Beyond(_) => 1,
             Self::Usage(_) => 2,
             Self::Output(_) => 3,

@@ -74,7 +74,8 @@ fn films_show_their_thickness_and_metals_what_they_reflect_straight_on() {
         assert_eq!(at(&picture, ["film.thickness_nm"], 16, 20), [550.0]);
         assert_eq!(at(&picture, ["film.thickness_nm"], 16, 12), [0.0], "the lamp has none");
         let stdout = succeed(&["film", "--layer", "1.33,550", "--base", "Au", "--angles", "0", "--colour"]).stdout;
-        let row: Vec<f32> = stdout.lines().last().unwrap().split(',').filter_map(|cell| cell.parse().ok()).collect();
+        let exact = stdout.lines().find(|line| line.starts_with("exact")).unwrap();
+        let row: Vec<f32> = exact.split(',').filter_map(|cell| cell.parse().ok()).collect();
         let albedo = at(&picture, ["albedo.R", "albedo.G", "albedo.B"], 16, 20);
         let wanted = row.windows(3).any(|rgb| rgb.iter().zip(&albedo).all(|(a, b)| (a - b).abs() < 0.02));
         assert!(wanted, "{mode}: {albedo:?} is not in\n{stdout}");
@@ -86,10 +87,11 @@ fn films_show_their_thickness_and_metals_what_they_reflect_straight_on() {
 fn the_picture_and_its_layers_have_the_same_bits_however_they_are_made() {
     let folder = Folder::new("same");
     let with = render(&folder, "room.dae", &["--threads", "1"]);
-    assert_eq!(render(&folder, "room.dae", &["--threads", "3"]), with);
+    let other = render(&folder, "room.dae", &["--threads", "3"]);
+    assert!(other.rgba == with.rgba && other.layers == with.layers);
     let plain = folder.file("plain.exr");
     succeed(&["render", "room.dae", "-o", &plain, "--float", "-q"]);
-    assert_eq!(read_exr(Path::new(&plain)).unwrap().rgba, with.rgba);
+    assert!(read_exr(Path::new(&plain)).unwrap().rgba == with.rgba);
 }
 
 /// The header's manifest: name and the float that its hash is stored as.
@@ -164,11 +166,11 @@ fn frames_have_layers_too_and_blur_with_their_shutter() {
     let file = folder.file("f.0001.exr");
     let sharp = read_exr(Path::new(&file)).unwrap();
     assert!(layer(&sharp, "sampleCount").iter().all(|&count| count == 16.0));
-    let name = manifest(&sharp, "CryptoObject").into_iter().next().unwrap();
+    let flag = manifest(&sharp, "CryptoObject")["flag-node"];
     succeed(&[&options[..], &common, &["--shutter", "360"]].concat());
     let blurred = read_exr(Path::new(&file)).unwrap();
     let partly = |picture: &Picture| {
-        let shares = matte(picture, "CryptoObject", name.1);
+        let shares = matte(picture, "CryptoObject", flag);
         shares.iter().filter(|share| (0.01..0.99).contains(*share)).count()
     };
     assert!(partly(&blurred) > partly(&sharp), "{} {}", partly(&blurred), partly(&sharp));

@@ -8,9 +8,9 @@ use crate::render::FAR_M;
 /// Where a scale ends: this share of the pixels may be beyond it.
 const BEYOND: f32 = 0.01;
 
-/// A picture of each group of layers (`N` of `N.X`, `N.Y`, `N.Z`), with its name. Values are mapped to what a screen can show:
-/// normals from -1..1 to 0..1, depth from near white to far grey (and black where there is nothing), positions over the box of what is seen, others over 0 to
-/// the largest; mattes get a colour for each name.
+/// A picture of each group of layers (`N` of `N.X`, `N.Y`, `N.Z`), with its name. Values are mapped to what a screen can
+/// show: normals from -1..1 to 0..1, depth from near white to far grey (and black where there is nothing), positions over
+/// the box of what is seen, others over 0 to the largest; mattes get a colour for each name.
 pub fn quick_looks(picture: &Picture) -> Vec<(String, Picture)> {
     let mut names: Vec<&str> = Vec::new();
     for layer in &picture.layers {

@@ -11,6 +11,7 @@ pub(super) type Handle = *mut c_void;
 /// `OIDN_DEVICE_TYPE_CPU`: the pictures lie in its memory.
 const CPU: c_int = 1;
 
+// SAFETY: these are the types of OIDN's C headers; they promise nothing until a function of theirs is called.
 type NewDevice = unsafe extern "C" fn(c_int) -> Handle;
 type Act = unsafe extern "C" fn(Handle);
 type GetInt = unsafe extern "C" fn(Handle, *const c_char) -> c_int;

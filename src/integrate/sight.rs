@@ -92,6 +92,9 @@ impl<'s, M: Mode> Looker<'s, M> {
     fn follow(&self, look: &mut Look<M>, hits: &Hits, lane: usize) -> bool {
         let scene = self.scene;
         let Some(surface) = scene.surface(hits, lane) else {
+            if !self.with_clues {
+                return false;
+            }
             let mut sky = M::Light::ZERO;
             scene.escape(look.ray.dir, &look.waves, |light, _| sky += light);
             look.clue = Clue { albedo: self.shown(look, sky), normal: Vec3::ZERO };

@@ -57,8 +57,8 @@ impl LightGroups {
 
     /// The group of this name, a new one if need be.
     fn group_of(&mut self, name: String) -> usize {
-        // Dots part layers from channels.
-        let name = if name.is_empty() { "light".to_owned() } else { name.replace('.', "_") };
+        // Dots part layers from channels, slashes folders from files.
+        let name = if name.is_empty() { "light".to_owned() } else { name.replace(['.', '/', '\\'], "_") };
         let known = self.names.iter().position(|known| *known == name);
         known.unwrap_or_else(|| {
             self.names.push(name);

@@ -46,7 +46,7 @@ fn with_the_library_noise_goes_and_colours_stay() {
     let file = folder.file("a.exr");
     let options = ["render", "film.dae", "-r", "96x72", "--strategy", "mis", "-o"];
     let run = |options: &[&str]| with_library(library.as_deref(), options);
-    let (code, stderr) = run(&[&options[..], &[&file, "--denoise", "--float", "--spp", "16"]].concat());
+    let (code, stderr) = run(&[&options[..], &[&file, "--denoise", "--float", "--spp", "16", "--aov", "N"]].concat());
     assert_eq!(code, Some(0), "{stderr}");
     if stderr.contains("cannot denoise") {
         println!(
@@ -58,9 +58,11 @@ fn with_the_library_noise_goes_and_colours_stay() {
     let reference = folder.file("reference.exr");
     run(&[&options[..], &[&reference, "--float", "--spp", "1024", "--seed", "9"]].concat());
     let [picture, reference] = [&file, &reference].map(|file| read_exr(Path::new(file)).unwrap());
+    let floor = layer(&picture, "N.Y");
     let denoised = ["denoised.R", "denoised.G", "denoised.B"].map(|name| layer(&picture, name));
     let (mut before, mut after, mut sums) = (0.0, 0.0, [0.0f64; 2]);
-    for (index, truth) in reference.rgba.iter().enumerate() {
+    // The lamp has no noise; where it ends, blurring is all that there is to lose.
+    for (index, truth) in reference.rgba.iter().enumerate().filter(|(index, _)| floor[*index] > 0.99) {
         for channel in 0..3 {
             let [noisy, clean] = [picture.rgba[index][channel], denoised[channel][index]].map(f64::from);
             let truth = f64::from(truth[channel]);

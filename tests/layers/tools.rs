@@ -21,7 +21,10 @@ fn exrinfo_lists_every_channel_and_finds_no_fault() {
         return;
     }
     let folder = Folder::new("exrinfo");
-    let found = stdout("exrinfo", &["-v", "-s", &written(&folder)]);
+    let output = Command::new("exrinfo").args(["-v", "-s", &written(&folder)]).output().unwrap();
+    // Debian's version ends with any status, whoever wrote the file.
+    assert!(output.stderr.is_empty(), "{}", String::from_utf8_lossy(&output.stderr));
+    let found = String::from_utf8(output.stdout).unwrap();
     for expected in [
         "'R': half",
         "'albedo.G': half",
@@ -30,7 +33,7 @@ fn exrinfo_lists_every_channel_and_finds_no_fault() {
         "'film.thickness_nm': float",
         "'CryptoMaterial02.A': float",
         "cryptomatte/3ae39a5/manifest",
-        "compression 'zip'",
+        "'zip'",
     ] {
         assert!(found.contains(expected), "{expected} is not in\n{found}");
     }
