@@ -12,6 +12,7 @@ use crate::denoise::{DenoiseError, Denoiser};
 use crate::document::{Document, Shape};
 use crate::error::Error;
 use crate::film::Verdict;
+use crate::integrate::Wanted;
 use crate::mode::Mode;
 use crate::output::{self, Display, Format, HeaderValue, LayerKind, Picture, PngDepth, Written};
 use crate::render::{self, Accumulation, Frame, Plan, Survey, Watch};
@@ -144,7 +145,9 @@ impl<M: Mode> Prepared<M> {
         if !plan.needs_survey() {
             return Ok(());
         }
-        let survey = survey.get_or_insert_with(|| Survey::new(self.camera.size, plan.denoise));
+        let wants = |aov: Aov| plan.aovs.contains(&aov);
+        let wanted = Wanted { albedo: wants(Aov::Albedo), film: wants(Aov::Film), clues: plan.denoise };
+        let survey = survey.get_or_insert_with(|| Survey::new(self.camera.size, wanted));
         Ok(survey.add(&self.scene, &self.camera, &plan.render, samples)?)
     }
 

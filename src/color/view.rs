@@ -8,7 +8,7 @@ use super::gamut::{into_srgb, without_negatives};
 /// How linear sRGB becomes a display's signal.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum View {
-    /// The sRGB curve. What sRGB cannot show keeps its hue ([`into_srgb`]).
+    /// The sRGB curve. What sRGB cannot show keeps its hue: it is brought inside along lines of equal hue in Oklab.
     #[default]
     Srgb,
     /// AgX: sixteen and a half stops, bright colours pale to white. Troy Sobotka 2022, in the form of Benjamin Wrensch's
@@ -40,7 +40,7 @@ const AGX_OUTSET: Mat3 = Mat3::from_cols_array(&[
     -0.098_020_88,
     1.151_903_1,
     -0.098_043_45,
-    -0.099_029_744,
+    -0.099_029_74,
     -0.098_961_18,
     1.151_073_7,
 ]);

@@ -10,7 +10,7 @@ mod vertex;
 pub use path::Path;
 pub use seen::seen_light;
 pub use share::{GROUP, radiances};
-pub use sight::{Clue, Looker, Sight};
+pub use sight::{Clue, Looker, Sight, Wanted};
 use std::ops::AddAssign;
 
 /// How light is found. All agree in the mean; the others are kept to check the last.

@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
-use super::vertex::Vertex;
+use super::vertex::{Vertex, facing};
 use crate::embree::{BATCH, Hits, Ray};
 use crate::math::Sampler;
 use crate::mode::{Lanes, Mode};
@@ -39,6 +39,14 @@ pub struct Clue {
     pub normal: Vec3,
 }
 
+/// What is to be found out besides where things are: each costs a look at the material.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Wanted {
+    pub albedo: bool,
+    pub film: bool,
+    pub clues: bool,
+}
+
 /// One ray on its way to what it shows.
 struct Look<M: Mode> {
     ray: Ray,
@@ -54,13 +62,12 @@ struct Look<M: Mode> {
 pub struct Looker<'s, M: Mode> {
     scene: &'s Scene<M>,
     white: M::Spectrum,
-    /// Whether clues are wanted.
-    with_clues: bool,
+    wanted: Wanted,
 }
 
 impl<'s, M: Mode> Looker<'s, M> {
-    pub fn new(scene: &'s Scene<M>, with_clues: bool) -> Self {
-        Self { scene, white: M::spectrum(&scene.stage.white, &scene.stage.sensor), with_clues }
+    pub fn new(scene: &'s Scene<M>, wanted: Wanted) -> Self {
+        Self { scene, white: M::spectrum(&scene.stage.white, &scene.stage.sensor), wanted }
     }
 
     /// What the first `count` of these camera rays show, each with the rest of its sample's numbers and one that picks
@@ -92,7 +99,7 @@ impl<'s, M: Mode> Looker<'s, M> {
     fn follow(&self, look: &mut Look<M>, hits: &Hits, lane: usize) -> bool {
         let scene = self.scene;
         let Some(surface) = scene.surface(hits, lane) else {
-            if !self.with_clues {
+            if !self.wanted.clues {
                 return false;
             }
             let mut sky = M::Light::ZERO;
@@ -107,32 +114,35 @@ impl<'s, M: Mode> Looker<'s, M> {
         }
 
         let toward = -look.ray.dir;
-        let vertex = Vertex::new(scene, surface, toward, Vec3::ZERO, &look.waves);
-        let [normal, ng] = [vertex.frame.normal, surface.ng].map(|n| n * 1.0f32.copysign(surface.ng.dot(toward)));
-        let painted = M::emitted(&self.white, Vec3::ONE, &look.waves) * vertex.bsdf.albedo(&look.waves);
-        look.sight.get_or_insert_with(|| Sight {
-            position: surface.position,
-            normal,
-            ng,
-            uv: scene.uv(hits, lane),
-            albedo: M::to_rgb(painted, &look.waves, &scene.stage.sensor),
-            film_nm: scene.film_nm(&surface),
-            node: surface.place.node,
-            material: surface.material,
+        let side = 1.0f32.copysign(surface.ng.dot(toward));
+        let painting = self.wanted.albedo || self.wanted.clues;
+        let vertex = painting.then(|| Vertex::new(scene, surface, toward, Vec3::ZERO, &look.waves));
+        let albedo = vertex.as_ref().map_or(M::Light::ZERO, |vertex| vertex.bsdf.albedo(&look.waves));
+        let painted = M::emitted(&self.white, Vec3::ONE, &look.waves) * albedo;
+        look.sight.get_or_insert_with(|| {
+            let normal = scene.material(&surface).normal(&surface, scene.textures());
+            Sight {
+                position: surface.position,
+                normal: facing(normal, surface.ng, toward).0.normal * side,
+                ng: surface.ng * side,
+                uv: scene.uv(hits, lane),
+                albedo: M::to_rgb(painted, &look.waves, &scene.stage.sensor),
+                film_nm: if self.wanted.film { scene.film_nm(&surface) } else { 0.0 },
+                node: surface.place.node,
+                material: surface.material,
+            }
         });
-        if !self.with_clues {
-            return false;
-        }
+        let Some(vertex) = vertex.filter(|_| self.wanted.clues) else { return false };
+
+        // Tell a denoiser more, and go on from what is perfectly smooth, by the numbers that the path loop would take.
         let emitted = match surface.emitter {
             u32::MAX => M::Light::ZERO,
             _ => scene.emitted(&surface, toward.dot(surface.ng), &look.waves),
         };
-        look.clue = Clue { albedo: self.shown(look, painted + emitted), normal };
+        look.clue = Clue { albedo: self.shown(look, painted + emitted), normal: vertex.frame.normal * side };
         if !vertex.bsdf.is_delta() {
             return false;
         }
-
-        // Go on from what is perfectly smooth, by the numbers that the path loop would take.
         look.sampler.next_4d();
         let Some(sample) = vertex.bsdf.sample(vertex.wo, [u[2], u[0], u[1]], &look.waves) else { return false };
         let wi = vertex.frame.to_world(sample.wi);

@@ -14,12 +14,12 @@ use rayon::prelude::*;
 use super::clock::CpuClock;
 use super::{Plan, RenderError, camera_sample, pool};
 use crate::embree::BATCH;
-use crate::integrate::{Clue, Looker, Sight};
+use crate::integrate::{Clue, Looker, Sight, Wanted};
 use crate::mode::Mode;
 use crate::scene::{Camera, Scene};
 
-/// Samples that are looked at: edges in 256 steps are smooth.
-const MOST_SAMPLES: u32 = 256;
+/// Samples that are looked at: enough for smooth edges, and a small share of what long renders take.
+const MOST_SAMPLES: u32 = 64;
 /// The golden ratio's fraction: its multiples cover the wavelengths evenly, however many there are.
 const GOLDEN: f64 = 0.618_033_988_749_895;
 
@@ -69,20 +69,19 @@ struct Row {
 pub struct Survey {
     rows: Vec<Row>,
     samples: u32,
-    with_clues: bool,
+    wanted: Wanted,
     /// Wall and user + system seconds.
     pub survey_s: f64,
     pub survey_cpu_s: f64,
 }
 
 impl Survey {
-    /// `with_clues`: with [`Seen::clue`].
-    pub fn new([width, height]: [u32; 2], with_clues: bool) -> Self {
+    pub fn new([width, height]: [u32; 2], wanted: Wanted) -> Self {
         let row = Row { pixels: vec![Seen::NOTHING; width as usize], nodes: Counts::new(), materials: Counts::new() };
-        Self { rows: vec![row; height as usize], samples: 0, with_clues, survey_s: 0.0, survey_cpu_s: 0.0 }
+        Self { rows: vec![row; height as usize], samples: 0, wanted, survey_s: 0.0, survey_cpu_s: 0.0 }
     }
 
-    /// Looks along the camera rays of these samples of every pixel, up to the first 256.
+    /// Looks along the camera rays of these samples of every pixel, up to the first 64.
     ///
     /// # Errors
     /// Threads that the machine cannot give.
@@ -94,9 +93,10 @@ impl Survey {
         samples: Range<u32>,
     ) -> Result<(), RenderError> {
         let samples = samples.start..samples.end.min(MOST_SAMPLES);
+        let pool = pool(plan)?;
         let (clock, cpu_clock) = (Instant::now(), CpuClock::start());
-        let looker = Looker::new(scene, self.with_clues);
-        pool(plan)?.install(|| {
+        let looker = Looker::new(scene, self.wanted);
+        pool.install(|| {
             self.rows.par_iter_mut().enumerate().for_each(|(y, row)| {
                 for x in 0..row.pixels.len() as u32 {
                     row.add(&looker, camera, plan, [x, y as u32], samples.clone());
