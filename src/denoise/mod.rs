@@ -35,7 +35,7 @@ const TO_REC2020: Mat3 = Mat3::from_cols_array(&[
 #[derive(Debug, Error)]
 pub enum DenoiseError {
     #[error(
-        "cannot denoise: {reason}; get Open Image Denoise 1.4 or 2.x from openimagedenoise.org (or `pip install oidn`), and name its library by --denoise=FILE or ${LIBRARY_VARIABLE}"
+        "cannot denoise: {reason}; get Open Image Denoise 1.4 or 2.x from openimagedenoise.org (or `pip install pyoidn`), and name its library by --denoise=FILE or ${LIBRARY_VARIABLE}"
     )]
     Library { reason: String },
     #[error("cannot denoise: {version} says: {reason}")]

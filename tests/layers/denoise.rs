@@ -26,7 +26,7 @@ fn without_the_library_one_line_says_so_and_the_noisy_picture_is_kept() {
         assert_eq!(code, Some(0), "{stderr}");
         let warnings: Vec<&str> = stderr.lines().filter(|line| line.contains("denois")).collect();
         let [line] = warnings.as_slice() else { panic!("{stderr}") };
-        for expected in ["warning: cannot denoise", reason, "pip install oidn", "$PELLICLE_OIDN_LIB"] {
+        for expected in ["warning: cannot denoise", reason, "pip install pyoidn", "$PELLICLE_OIDN_LIB"] {
             assert!(line.contains(expected), "{line}");
         }
         let plain = folder.file("plain.exr");
