@@ -6,7 +6,17 @@
 
 use std::{env, panic, path::PathBuf, process::ExitCode};
 
-const STRUCTS: [&str; 7] = ["RTCRay", "RTCHit", "RTCRayHit", "RTCRay8", "RTCHit8", "RTCRayHit8", "RTCBounds"];
+const STRUCTS: [&str; 9] = [
+    "RTCRay",
+    "RTCHit",
+    "RTCRayHit",
+    "RTCRay8",
+    "RTCHit8",
+    "RTCRayHit8",
+    "RTCBounds",
+    "RTCIntersectArguments",
+    "RTCFilterFunctionNArguments",
+];
 const NUMBERS: [&str; 3] = ["RTC_VERSION_MAJOR", "RTC_VERSION_MINOR", "RTC_MAX_INSTANCE_LEVEL_COUNT"];
 
 fn main() -> ExitCode {
@@ -32,6 +42,7 @@ fn generate() -> Result<(), String> {
         .header_contents("pellicle_embree.h", "#include <embree4/rtcore.h>")
         .parse_callbacks(Box::new(bindgen::CargoCallbacks::new()))
         .derive_default(true)
+        .prepend_enum_name(false)
         .layout_tests(false);
     for name in STRUCTS {
         builder = builder.allowlist_type(name);

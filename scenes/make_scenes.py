@@ -606,7 +606,46 @@ def facing_films():
     scene.save("facing_films")
 
 
-SCENES = (gold_knot, bubbles, oil, christmas_balls, titanium, coated_glass, facing_films)
+def wine():
+    scene = Scene("Wine in a coated glass, water and ice in a tumbler: bodies that overlap, told apart by their priorities")
+    crystal = lambda films: f'<dielectric ior="1.55" priority="3">{films}</dielectric>'
+    coated = scene.material("coated-crystal", (0.9, 0.9, 0.9), crystal(film(110, material="MgF2")))
+    plain = scene.material("crystal", (0.9, 0.9, 0.9), crystal(""))
+    red = scene.material("wine", (0.4, 0.02, 0.05), '<dielectric ior="1.345" priority="1" absorption_per_m="6 70 50"/>')
+    water = scene.material("water", (0.8, 0.9, 0.9), '<dielectric ior="1.333" priority="1"/>')
+    ice = scene.material("ice", (0.9, 0.9, 0.9), '<dielectric ior="1.31" priority="2"/>')
+
+    # The wine reaches to the middle of the wall, where the glass takes its place.
+    bowl = lambda radius, top_deg: [(max(r, 0), y) for r, y in arc((0, 12), radius, -90, top_deg, 40)]
+    foot = [(0, 0), (3.3, 0), (3.4, 0.1), (3.3, 0.22), (1.2, 0.55), (0.45, 1.2), (0.33, 2.5), (0.33, 5.8), (0.5, 7)]
+    rim = arc((4.5 * math.cos(math.radians(48)), 12 + 4.5 * math.sin(math.radians(48))), 0.1, 48 - 60, 48 + 180, 8)
+    outside = [p for p in bowl(4.6, 48) if p[0] > 0.8]
+    goblet = lathe(foot + outside + rim + bowl(4.4, 48)[::-1], sides=72)
+    scene.place(scene.mesh("goblet", goblet), coated, ("translate", -5.2, 0, 0))
+    level = 4.5 * math.cos(math.radians(4))
+    fill = lathe(bowl(4.5, 4), [(level, 12 + 4.5 * math.sin(math.radians(4))), (0, 12 + 4.5 * math.sin(math.radians(4)))])
+    scene.place(scene.mesh("wine-body", fill), red, ("translate", -5.2, 0, 0))
+
+    tumbler = lathe([(0, 0), (3.4, 0)], [(3.4, 0), (3.7, 9)], arc((3.58, 9), 0.12, 0, 180, 8), [(3.46, 9), (3.2, 0.8)],
+                    [(3.2, 0.8), (0, 0.8)])
+    scene.place(scene.mesh("tumbler", tumbler), plain, ("translate", 5.2, 0, 1))
+    drink = lathe([(0, 0.4), (3.3, 0.4)], [(3.3, 0.4), (3.48, 6.2)], [(3.48, 6.2), (0, 6.2)])
+    scene.place(scene.mesh("water-body", drink), water, ("translate", 5.2, 0, 1))
+    cube = scene.mesh("cube", pillow(2.6, 2.6, 2.6, 8, 48, 24))
+    for i, (turn, tilt, *place) in enumerate(((20, 15, 4.1, 5.6, 1.4), (65, -20, 6.4, 5.4, 0.2))):
+        scene.place(cube, ice, ("translate", *place), ("rotate", 0, 1, 0, turn), ("rotate", 1, 0, 0, tilt), name=f"cube-{i}")
+
+    cloth = diffuse(scene, "cloth", (0.55, 0.54, 0.52))
+    scene.place(scene.mesh("studio", backdrop(160, 50, 60, 20)), cloth, ("translate", 0, 0, 30))
+    scene.window("window", (-40, 30, 10), (0, 6, 0), 40, 40, 2, 3, (5, 5.2, 5.6))
+    scene.softbox("strip", (34, 24, 20), (0, 6, 0), 10, 40, (3, 2.9, 2.7))
+    scene.environment((0.35, 0.36, 0.38))
+    scene.camera((0, 15, 48), (0, 7.2, 0), 30, 1.25)
+    scene.render(500, 400, spp=256, max_bounces=24, exposure_ev=0.3)
+    scene.save("wine")
+
+
+SCENES = (gold_knot, bubbles, oil, christmas_balls, titanium, coated_glass, facing_films, wine)
 
 
 def main():

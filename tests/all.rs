@@ -9,14 +9,18 @@ mod chart; // `pellicle chart`: what is charted is what was measured
 mod cli; // the program as it is run: exit codes, messages, signals, full disks
 mod collada; // files load to what they say; bad ones give exactly the error that helps
 mod compare; // `pellicle compare`, variance layers, and what says that it is biased
+mod crop; // parts of pictures have the bits of the whole
 mod embree; // layouts and hits against closed forms
 mod film; // the optics against independent truth tables
 mod film_command; // `pellicle film` against the same tables; errors that help; drawings
 mod golden; // shipped scenes against stored pictures
 mod house; // the order of the rooms, where unsafe may be, files that stay readable
 mod layers; // layers beside the picture, mattes, the denoiser, what other tools make of our files
+mod nesting; // bodies in, beside and across each other
 mod output; // files are whole or absent
+mod presets; // named surfaces and the colours that their sources tell of
 mod stability; // where methods fail: finite, bounded, continuous at every extreme
 mod statistics; // the tests' own tools
+mod textures; // images as they reach the picture
 mod transport; // closed forms, strategies agree, threads do not matter
 mod view; // what a display is sent for colours inside and outside of its reach

@@ -12,10 +12,14 @@ use pellicle::output::{is_complete, read_exr};
 mod animate;
 #[path = "cli/batches.rs"]
 mod batches;
+#[path = "cli/crop.rs"]
+mod crop;
 #[path = "cli/encode.rs"]
 mod encode;
 #[path = "cli/faults.rs"]
 mod faults;
+#[path = "cli/instances.rs"]
+mod instances;
 #[path = "cli/merge.rs"]
 mod merge;
 #[path = "cli/signals.rs"]

@@ -141,6 +141,21 @@ fn mattes_select_what_their_names_say() {
     }
 }
 
+/// A crop's layers are those of the whole picture.
+#[test]
+fn crops_have_their_part_of_the_layers() {
+    let folder = Folder::new("cropped-layers");
+    let whole = render(&folder, "room.dae", &[]);
+    let part = render(&folder, "room.dae", &["--crop", "10,6,9,14"]);
+    assert_eq!((part.width, part.height), (9, 14));
+    for (of_part, of_whole) in part.layers.iter().zip(&whole.layers) {
+        assert_eq!(of_part.name, of_whole.name);
+        let found = of_part.data.iter().map(|value| value.to_bits());
+        let wanted = (0..14 * 9).map(|i| of_whole.data[(6 + i / 9) * WIDTH + 10 + i % 9].to_bits());
+        assert!(found.eq(wanted), "{}", of_part.name);
+    }
+}
+
 #[test]
 fn png_has_its_layers_in_files_beside_it() {
     let folder = Folder::new("beside");

@@ -116,7 +116,7 @@ pub fn metal(n: f32, k: f32, alpha: f32) -> Material {
 pub fn glass(ior: f32, alpha: f32) -> Material {
     let index = Index::Constant { n: ior, k: 0.0 };
     let absorption_per_m = Vec3::ZERO;
-    material(Base::Dielectric { index, microfacets: rough(alpha), absorption_per_m, fresnel: true })
+    material(Base::Dielectric { index, microfacets: rough(alpha), absorption_per_m, fresnel: true, priority: None })
 }
 
 pub fn coated(mut material: Material, ior: f32, nm: f32) -> Material {
@@ -311,7 +311,13 @@ fn any_number_of_wavelengths_converges_to_one_picture() {
     // Films, and a dispersive ball through which only one wavelength of each path goes on.
     let mut scene = crowded();
     let index = Index::Named("SF10".into());
-    let ball = Base::Dielectric { index, microfacets: rough(0.0), absorption_per_m: Vec3::ZERO, fresnel: true };
+    let ball = Base::Dielectric {
+        index,
+        microfacets: rough(0.0),
+        absorption_per_m: Vec3::ZERO,
+        fresnel: true,
+        priority: None,
+    };
     scene.sphere(Vec3::new(-0.5, 0.25, 1.2), 0.25, material(ball));
     let limits = PathLimits { max_bounces: 6, strategy: Strategy::Shared };
     let four = scene.render_in::<Spectral<4>>(24, 1024, limits, 0);

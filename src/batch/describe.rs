@@ -119,8 +119,9 @@ fn base(material: &Material) -> String {
         Base::Conductor { index: metal, microfacets } => {
             format!("conductor {}, roughness {}", index(metal), microfacets.roughness.value)
         }
-        Base::Dielectric { index: glass, microfacets, .. } => {
-            format!("dielectric {}, roughness {}", index(glass), microfacets.roughness.value)
+        Base::Dielectric { index: glass, microfacets, priority, .. } => {
+            let medium = priority.map(|priority| format!(", a medium of priority {priority}")).unwrap_or_default();
+            format!("dielectric {}, roughness {}{medium}", index(glass), microfacets.roughness.value)
         }
     };
     shine + &what

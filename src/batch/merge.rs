@@ -78,7 +78,7 @@ impl Merge {
     /// # Errors
     /// A part that is damaged or cut short.
     pub fn run(&self, mut tell: impl FnMut(&Path)) -> Result<Accumulation, Error> {
-        let mut sums = Accumulation::new(self.header.settings.size, 0..self.spp);
+        let mut sums = self.header.settings.accumulation(0..self.spp);
         for path in &self.paths {
             tell(path);
             Part::open(path)?.add_to(&mut sums)?;

@@ -13,7 +13,7 @@ use crate::integrate::{PathLimits, Tally};
 use crate::mode::Mode;
 use crate::output::{self, Display, HeaderValue, OutputError, PartBlock, PartReader};
 use crate::render::{Accumulation, Block, Plan};
-use crate::scene::FilmOptions;
+use crate::scene::{FilmOptions, Raster, Window};
 
 /// What a part file says before its sums.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -38,6 +38,8 @@ pub struct Settings {
     /// How the scene file was read.
     pub reading: String,
     pub size: [u32; 2],
+    pub crop: Option<Window>,
+    pub pixel_aspect: f32,
     pub camera: Option<String>,
     pub framing: String,
     pub mode: String,
@@ -77,7 +79,17 @@ impl Settings {
         mode: &str,
     ) -> Result<Self, Error> {
         // Taken apart, so that a new field asks here whether it changes pixels.
-        let StillPlan { size: _, camera, framing, films, render, look: _, aovs: _, denoise: _, max_memory: _ } = plan;
+        let StillPlan {
+            raster: Raster { size: _, pixel_aspect, crop },
+            camera,
+            framing,
+            films,
+            render,
+            look: _,
+            aovs: _,
+            denoise: _,
+            max_memory: _,
+        } = plan;
         let FilmOptions { tolerance, rung } = films;
         let Plan { spp, seed, threads: _, filter, limits: PathLimits { max_bounces, strategy }, clamp } = render;
         Ok(Self {
@@ -86,6 +98,8 @@ impl Settings {
             images_sha256: images_sha256(document)?,
             reading,
             size,
+            crop: *crop,
+            pixel_aspect: *pixel_aspect,
             camera: camera.clone(),
             framing: format!("{framing:?}"),
             mode: mode.to_owned(),
@@ -98,6 +112,11 @@ impl Settings {
             tolerance: *tolerance,
             film: rung.map(|rung| rung.to_string()),
         })
+    }
+
+    /// Room for some samples of the picture.
+    pub fn accumulation(&self, samples: Range<u32>) -> Accumulation {
+        Accumulation::cropped(self.size, self.crop.unwrap_or(Window::whole(self.size)), samples)
     }
 
     /// The first setting that differs: its name, ours and theirs.
@@ -191,7 +210,7 @@ impl<'a> Part<'a> {
     /// # Errors
     /// A file that is damaged or cut short.
     pub fn restore(self) -> Result<Accumulation, Error> {
-        let mut sums = Accumulation::new(self.header.settings.size, self.header.samples.clone());
+        let mut sums = self.header.settings.accumulation(self.header.samples.clone());
         self.header.cost.add_to(&mut sums);
         self.read(|blocks| sums.restore(blocks))?;
         Ok(sums)

@@ -89,7 +89,7 @@ impl Staged {
         let prepared = still::prepare::<M>(&document, &still, &stage, &camera)?;
         // The rule and the size hold for all frames, whatever the animation does to camera and scene.
         still.framing = if placed == Placed::Cs184 { Framing::Cs184 } else { Framing::Scene };
-        still.size = camera.size.map(Some);
+        still.raster.size = camera.size.map(Some);
         let schedule = Schedule::new(plan.budget, still.render.spp, start);
         let host = std::fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default().trim().to_owned();
         let (loading, last) = (Some(loading), None);
@@ -261,7 +261,8 @@ impl<M: Mode> Sequence<M> {
             return Ok((image, survey, posed));
         };
         let mut posed = Posed::default();
-        let mut sums = Accumulation::new(self.prepared.camera.size, 0..limited.limit.spp);
+        let camera = &self.prepared.camera;
+        let mut sums = Accumulation::cropped(camera.size, camera.window(), 0..limited.limit.spp);
         for index in 0..limited.limit.spp {
             posed += self.pose(frame + shutter.moment(index))?;
             self.prepared.accumulate(still, &mut sums, &Until { watch: limited, spp: index + 1 })?;
@@ -295,7 +296,7 @@ impl<M: Mode> Sequence<M> {
                 let mut posed = Posed::default();
                 if changes.cameras || changes.nodes {
                     let wanted = still.camera.as_deref();
-                    let camera = Camera::new(document, wanted, still.size, still.framing, self.bounds);
+                    let camera = Camera::new(document, wanted, still.raster, still.framing, self.bounds);
                     prepared.camera = camera.map_err(Error::Usage)?.0;
                 }
                 let clock = Instant::now();

@@ -14,14 +14,14 @@ use crate::error::Error;
 use crate::film::Verdict;
 use crate::integrate::Wanted;
 use crate::mode::Mode;
-use crate::output::{self, Display, Format, HeaderValue, LayerKind, Picture, PngDepth, Written};
+use crate::output::{self, Crop, Display, Format, HeaderValue, LayerKind, Picture, PngDepth, Written};
 use crate::render::{self, Accumulation, Frame, Plan, Survey, Watch};
-use crate::scene::{BuildError, Camera, FilmOptions, Framing, LightGroups, Placed, Scene, Stage};
+use crate::scene::{BuildError, Camera, FilmOptions, Framing, LightGroups, Placed, Raster, Scene, Stage, Window};
 
 /// What is to be made, with every default filled in.
 #[derive(Clone, Debug)]
 pub struct StillPlan {
-    pub size: [Option<u32>; 2],
+    pub raster: Raster,
     /// Camera or node id; `None`: the first.
     pub camera: Option<String>,
     pub framing: Framing,
@@ -75,9 +75,10 @@ pub fn movable_stage(
     let stage =
         Stage::movable(document, plan.render.threads, moving, groups).map_err(|source| built(document, source))?;
     let (camera, placed) =
-        Camera::new(document, plan.camera.as_deref(), plan.size, plan.framing, stage.bounds).map_err(Error::Usage)?;
+        Camera::new(document, plan.camera.as_deref(), plan.raster, plan.framing, stage.bounds).map_err(Error::Usage)?;
+    let Window { width, height, .. } = camera.window();
     let limit = plan.max_memory.unwrap_or_else(render::available_memory);
-    render::check_memory(camera.size, plan.needs_survey() || plan.tells_lights_apart(), limit)?;
+    render::check_memory([width, height], plan.needs_survey() || plan.tells_lights_apart(), limit)?;
     let mut notes = Vec::new();
     match placed {
         Placed::AsWritten => {}
@@ -114,9 +115,13 @@ impl<M: Mode> Prepared<M> {
     /// The opening line of a render.
     pub fn summary(&self, document: &Document, plan: &StillPlan) -> String {
         let [width, height] = self.camera.size;
+        let crop = match self.camera.crop {
+            Some(Window { x, y, width, height }) => format!(" (of which {width}x{height} at {x},{y})"),
+            None => String::new(),
+        };
         let biased = biased(&plan.render).map(|how| format!(", biased: {how}")).unwrap_or_default();
         format!(
-            "{}: {} triangles, {} materials, {} emitters; {width}x{height}, {} spp, {} bounces{biased}",
+            "{}: {} triangles, {} materials, {} emitters; {width}x{height}{crop}, {} spp, {} bounces{biased}",
             document.path.display(),
             triangles(document),
             document.materials.len(),
@@ -147,7 +152,7 @@ impl<M: Mode> Prepared<M> {
         }
         let wants = |aov: Aov| plan.aovs.contains(&aov);
         let wanted = Wanted { albedo: wants(Aov::Albedo), film: wants(Aov::Film), clues: plan.denoise };
-        let survey = survey.get_or_insert_with(|| Survey::new(self.camera.size, wanted));
+        let survey = survey.get_or_insert_with(|| Survey::new(self.camera.window(), wanted));
         Ok(survey.add(&self.scene, &self.camera, &plan.render, samples)?)
     }
 
@@ -228,6 +233,9 @@ impl<M: Mode> Prepared<M> {
             ("pellicle/seed".to_owned(), HeaderValue::Int(plan.render.seed as i32)),
             ("pellicle/films".to_owned(), text(&serde_json::to_string(&self.films()).unwrap_or_default())),
         ];
+        if self.camera.pixel_aspect != 1.0 {
+            header.push((output::PIXEL_ASPECT.to_owned(), HeaderValue::Float(self.camera.pixel_aspect)));
+        }
         if let Some(how) = biased(&plan.render) {
             header.push(("pellicle/biased".to_owned(), text(&how)));
         }
@@ -253,7 +261,10 @@ pub fn picture(frame: &Frame, layers: Layers, mut header: Vec<(String, HeaderVal
     let rgba = frame.rgb.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect();
     let Layers { layers, header: of_layers } = layers;
     header.extend(of_layers);
-    Picture { width: frame.width, height: frame.height, crop: None, rgba, layers, header }
+    let Frame { width, height, size: [full_width, full_height], window, .. } = *frame;
+    let is_part = window != Window::whole(frame.size);
+    let crop = is_part.then_some(Crop { x: window.x, y: window.y, full_width, full_height });
+    Picture { width, height, crop, rgba, layers, header }
 }
 
 /// How pictures are written.

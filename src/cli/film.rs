@@ -26,6 +26,8 @@ use crate::study::{self, Coating, MOST_CURVES, SwatchPlan};
   pellicle film --ambient 1.5 --layer 1.33,100 --base 1 --angles 0:85:5 --wavelengths 400,550,700
   pellicle film --layer TiO2,0 --base Ti --thickness 0:200:200 --swatch titanium.png --plot titanium.svg
   pellicle film --scene scene.dae --material gold --swatch gold.png
+  pellicle film --preset anodised-titanium:25 --colour
+  pellicle film --list --swatch presets.png
 
 CSV columns:
   theta_deg,thickness,lambda_nm,Rs,Rp,Ts,Tp                with --wavelengths; T is what enters the base
@@ -68,14 +70,14 @@ pub struct FilmArgs {
     /// Draw reflectance and transmittance over wavelength as SVG, a curve for each angle and thickness
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
-    /// List the named indices with n and k at 550 nm and their sources
-    #[arg(long, exclusive = true)]
+    /// List the presets, and the named indices with n and k at 550 nm, with their sources; with --swatch, draw all presets
+    #[arg(long, conflicts_with_all = ["StackArgs", "scene", "csv", "plot", "colour", "angles", "thickness", "wavelengths"])]
     list: bool,
 }
 
 pub fn run(args: &FilmArgs) -> Result<(), Error> {
     if args.list {
-        return print(&study::list_indices().map_err(|error| Error::Usage(error.to_string()))?);
+        return args.list();
     }
     let coating = args.coating()?;
     let angles = args.angles.as_ref().map_or(vec![0.0], |list| list.0.clone());
@@ -112,6 +114,19 @@ pub fn run(args: &FilmArgs) -> Result<(), Error> {
 }
 
 impl FilmArgs {
+    fn list(&self) -> Result<(), Error> {
+        let usage = |error: String| Error::Usage(error);
+        let Some(path) = &self.swatch else {
+            let indices = study::list_indices().map_err(|error| usage(error.to_string()))?;
+            return print(&format!("{}\n{indices}", study::list_presets()));
+        };
+        self.check_swatch(path)?;
+        let sheet = study::preset_sheet(&Sensor::new(&self.illuminant), self.exposure);
+        let sheet = sheet.map_err(|error| usage(error.to_string()))?;
+        output::write_png(path, &sheet, Display::PLAIN, PngDepth::Eight)?;
+        Ok(())
+    }
+
     fn coating(&self) -> Result<Coating, Error> {
         if let (Some(scene), Some(id)) = (&self.scene, &self.material) {
             // Images play no part in the optics.
@@ -142,12 +157,7 @@ impl FilmArgs {
             output::check_writable(path)?;
         }
         if let Some(path) = &self.swatch {
-            if output::check_picture(path)? != Format::Png {
-                return Err(Error::Usage(format!("--swatch {}: swatches are written as .png", path.display())));
-            }
-            if !(self.exposure.is_finite() && self.exposure.abs() <= 30.0) {
-                return Err(Error::Usage(format!("--exposure {}: give stops from -30 to 30", self.exposure)));
-            }
+            self.check_swatch(path)?;
         }
         if let Some(path) = &self.plot {
             if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("svg")) {
@@ -158,6 +168,16 @@ impl FilmArgs {
                 return Err(Error::Usage(format!("{problem} cannot be told apart; give at most {MOST_CURVES}")));
             }
             output::check_writable(path)?;
+        }
+        Ok(())
+    }
+
+    fn check_swatch(&self, path: &Path) -> Result<(), Error> {
+        if output::check_picture(path)? != Format::Png {
+            return Err(Error::Usage(format!("--swatch {}: swatches are written as .png", path.display())));
+        }
+        if !(self.exposure.is_finite() && self.exposure.abs() <= 30.0) {
+            return Err(Error::Usage(format!("--exposure {}: give stops from -30 to 30", self.exposure)));
         }
         Ok(())
     }

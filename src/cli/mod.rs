@@ -11,6 +11,7 @@ mod file_args;
 mod film;
 mod merge;
 mod progress;
+mod raster_args;
 mod render;
 mod sampling;
 mod scene_args;

@@ -11,6 +11,7 @@ use signal_hook::consts::{SIGINT, SIGTERM};
 use super::denoise_args::DenoiseArgs;
 use super::file_args::FileArgs;
 use super::progress::{Progress, ProgressArg};
+use super::raster_args::RasterArgs;
 use super::sampling::{SamplingArgs, Target};
 use super::scene_args::{FramingArg, SceneArgs};
 use super::{print, say};
@@ -57,9 +58,8 @@ pub struct RenderArgs {
 /// How pictures are made: shared by every subcommand that renders.
 #[derive(Args)]
 pub struct PictureArgs {
-    /// Picture size in pixels; one of the two may be left out (`1280x`, `x720`)
-    #[arg(short = 'r', long, value_name = "WxH", value_parser = parse_size)]
-    size: Option<Size>,
+    #[command(flatten)]
+    raster: RasterArgs,
     /// Samples per pixel [default: the scene's, or 128]
     #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub spp: Option<u32>,
@@ -179,27 +179,6 @@ enum StrategyArg {
     Bsdf,
 }
 
-#[derive(Clone, Copy)]
-pub struct Size {
-    pub(super) width: Option<u32>,
-    pub(super) height: Option<u32>,
-}
-
-pub(super) fn parse_size(text: &str) -> Result<Size, String> {
-    let (width, height) = text.split_once(['x', 'X']).ok_or("write it as WIDTHxHEIGHT, like 1920x1080")?;
-    let side = |digits: &str| match digits {
-        "" => Ok(None),
-        digits => match digits.parse() {
-            Ok(side @ 1..=65_535) => Ok(Some(side)),
-            _ => Err(format!("`{digits}` is not a whole number from 1 to 65535")),
-        },
-    };
-    match (side(width)?, side(height)?) {
-        (None, None) => Err("write it as WIDTHxHEIGHT, like 1920x1080".to_owned()),
-        (width, height) => Ok(Size { width, height }),
-    }
-}
-
 fn parse_clamp(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {
         Ok(limit) if limit.is_finite() && limit > 0.0 => Ok(limit),
@@ -280,10 +259,10 @@ impl Job<'_> {
             (Some(saver), true) => self.earlier(saver, &samples)?,
             _ => None,
         };
-        let mut sums = earlier.unwrap_or_else(|| Accumulation::new(prepared.camera.size, samples));
-        let [width, height] = sums.size;
+        let camera = &prepared.camera;
+        let mut sums = earlier.unwrap_or_else(|| Accumulation::cropped(camera.size, camera.window(), samples));
         let left = sums.samples.len() as u64 - u64::from(sums.spp());
-        let progress = Progress::new(args.talk.style(), u64::from(width) * u64::from(height) * left, signal.clone());
+        let progress = Progress::new(args.talk.style(), sums.pixels() * left, signal.clone());
         match (&saver, args.sampling.checkpoint()) {
             (Some(saver), Some(every)) => saver.accumulate(&mut sums, every, &progress)?,
             _ => prepared.accumulate(plan, &mut sums, &progress)?,
@@ -415,9 +394,8 @@ impl PictureArgs {
 
     /// What is meant: the command line over the scene's hints over the defaults.
     pub fn plan(&self, hints: &RenderHints) -> StillPlan {
-        let size = self.size.unwrap_or(Size { width: hints.width, height: hints.height });
         StillPlan {
-            size: [size.width, size.height],
+            raster: self.raster.raster(hints),
             camera: self.camera.clone().or_else(|| hints.camera.clone()),
             framing: self.framing.into(),
             films: FilmOptions {

@@ -4,6 +4,7 @@ use clap::Args;
 
 use super::say;
 use crate::color::Emission;
+use crate::document::{Knob, Preset};
 use crate::error::Error;
 use crate::study::{Coating, Medium, StudyError};
 
@@ -15,6 +16,9 @@ pub struct StackArgs {
     /// A layer and its thickness in nm, outermost first (repeatable); none is a bare surface
     #[arg(long = "layer", value_name = "INDEX,NM", value_parser = layer, allow_hyphen_values = true)]
     layers: Vec<Layer>,
+    /// A named surface (see --list), and the number that it follows: a voltage, a thickness
+    #[arg(long, value_name = "NAME[:NUMBER]", value_parser = preset, conflicts_with_all = ["ambient", "layers", "base"])]
+    preset: Option<Chosen>,
     /// The medium under the layers
     #[arg(long, value_name = "INDEX", value_parser = Medium::parse, allow_negative_numbers = true)]
     base: Option<Medium>,
@@ -24,6 +28,13 @@ pub struct StackArgs {
 struct Layer {
     medium: Medium,
     nm: f64,
+}
+
+/// A preset with the value of its knob.
+#[derive(Clone)]
+struct Chosen {
+    preset: &'static Preset,
+    value: f32,
 }
 
 /// Numbers that were written with commas and ranges.
@@ -38,14 +49,17 @@ const MOST_AMBIENT_K: f64 = 1e-3;
 impl StackArgs {
     /// True where nothing was asked for.
     pub fn is_empty(&self) -> bool {
-        self.ambient.is_none() && self.layers.is_empty() && self.base.is_none()
+        self.ambient.is_none() && self.layers.is_empty() && self.base.is_none() && self.preset.is_none()
     }
 
     /// The stack; `used_nm` are the first and the last wavelength that matter.
     pub fn coating(&self, used_nm: [f64; 2]) -> Result<Coating, Error> {
+        if let Some(Chosen { preset, value }) = &self.preset {
+            return Coating::of_preset(preset, *value).map_err(|error| Error::Usage(error.to_string()));
+        }
         let Some(base) = &self.base else {
-            let fix = "--base missing: give the medium under the layers, like `--base 1.5` or `--base Au`; or --scene with \
-                       --material; or --list";
+            let fix = "--base missing: give the medium under the layers, like `--base 1.5` or `--base Au`; or --preset; or \
+                       --scene with --material; or --list";
             return Err(Error::Usage(fix.to_owned()));
         };
         let ambient = match &self.ambient {
@@ -82,6 +96,21 @@ pub(super) fn ends(values: &[f64]) -> [f64; 2] {
 pub(super) fn span(values: &[f64]) -> Option<[f64; 2]> {
     let [low, high] = ends(values);
     (high > low).then_some([low, high])
+}
+
+/// `NAME` or `NAME:NUMBER`
+fn preset(text: &str) -> Result<Chosen, String> {
+    let (name, value) = text.split_once(':').map_or((text, None), |(name, value)| (name, Some(value)));
+    let Some(preset) = Preset::find(name) else {
+        let names: Vec<&str> = Preset::all().iter().map(|preset| preset.name).collect();
+        return Err(format!("unknown preset; known are {}", names.join(", ")));
+    };
+    let Knob { name, least, most, default } = preset.knob;
+    let value = value.map_or(Ok(f64::from(default)), number)? as f32;
+    if !(least..=most).contains(&value) {
+        return Err(format!("{name} is {value}; it must lie in {least}..{most}"));
+    }
+    Ok(Chosen { preset, value })
 }
 
 /// `INDEX,NM`

@@ -65,6 +65,7 @@ fn dielectric(ior: f32, fresnel: bool) -> Base {
         microfacets: Microfacets::default(),
         absorption_per_m: Vec3::ZERO,
         fresnel,
+        priority: None,
     }
 }
 

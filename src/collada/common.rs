@@ -201,6 +201,7 @@ fn texture_map<'a>(
     Ok(Map {
         image: images::from_element(loader, image, user)?,
         texcoord: texture.attribute("texcoord").unwrap_or_default().to_owned(),
+        slot: 0,
         encoding: Encoding::Srgb,
         channel: Channel4::G,
         wrap: [wrap("wrap_s"), wrap("wrap_t")],
@@ -232,6 +233,9 @@ fn sampled_image<'a>(loader: &Loader<'a>, params: &Params<'a>, sampler: Element<
     }
 }
 
+/// Rec. 709, with the digits of the specification.
+const LUMINANCE: Vec3 = Vec3::new(0.212671, 0.715160, 0.072169);
+
 /// COLLADA 1.4.1 chapter 7, "Determining transparency"; 1.5 adds `A_ZERO` and `RGB_ONE`.
 fn opacity<'a>(loader: &mut Loader<'a>, params: &Params<'a>, shader: Element<'a>, user: &str) -> Result<Scalar, Fault> {
     let transparency = float(params, shader, "transparency")?;
@@ -241,32 +245,23 @@ fn opacity<'a>(loader: &mut Loader<'a>, params: &Params<'a>, shader: Element<'a>
     }
     let factor = transparency.unwrap_or(1.0);
     let mode = shader.child("transparent").and_then(|element| element.attribute("opaque")).unwrap_or("A_ONE");
-    let inverted = loader.options.invert_opacity;
+    let channel = if mode.starts_with("RGB") { Channel4::Luminance } else { Channel4::A };
+    // Opacity where the channel is 0 and where it is 1.
+    let range = match mode {
+        "A_ZERO" | "RGB_ZERO" => [1.0, 1.0 - factor],
+        _ => [0.0, factor],
+    };
+    let range = if loader.options.invert_opacity { range.map(|opacity| 1.0 - opacity) } else { range };
     let (opacity, map) = match transparent.unwrap_or(Value::Color(Vec4::ONE)) {
         Value::Color(color) => {
-            // Rec. 709 luminance, as the specification has it for RGB modes.
-            let luminance = color.truncate().dot(Vec3::new(0.212671, 0.715160, 0.072169));
-            let opacity = match mode {
-                "A_ZERO" => 1.0 - color.w * factor,
-                "RGB_ZERO" => 1.0 - luminance * factor,
-                "RGB_ONE" => luminance * factor,
-                _ => color.w * factor,
-            };
-            (if inverted { 1.0 - opacity } else { opacity }, None)
+            let share = if channel == Channel4::A { color.w } else { color.truncate().dot(LUMINANCE) };
+            (range[0] + (range[1] - range[0]) * share, None)
         }
-        Value::Image(map) if factor == 1.0 && !inverted && matches!(mode, "A_ONE" | "RGB_ONE") => {
-            let channel = if mode == "A_ONE" { Channel4::A } else { Channel4::G };
-            (1.0, Some(Map { channel, encoding: Encoding::Linear, ..map }))
-        }
-        Value::Image(_) => {
-            let seen = format!("the opacity image of {user} is scaled or inverted");
-            loader.warnings.add(shader, seen, "it is not used: store the coverage itself, 1 for opaque");
-            (1.0, None)
-        }
+        Value::Image(map) => (1.0, Some(Map { channel, encoding: Encoding::Linear, ..map })),
     };
     if opacity <= 0.0 && map.is_none() {
         let advice = "if it should be seen, its exporter means the opposite: --invert-opacity";
         loader.warnings.add(shader, format!("{user} is fully transparent"), advice);
     }
-    Ok(Scalar { value: opacity.clamp(0.0, 1.0), map })
+    Ok(Scalar { value: opacity.clamp(0.0, 1.0), map, range })
 }

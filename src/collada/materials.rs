@@ -14,7 +14,8 @@ pub fn load<'a>(loader: &mut Loader<'a>, material: Element<'a>) -> Result<usize,
     if let Some(&known) = loader.materials.get(&material.index()) {
         return Ok(known);
     }
-    let read = read(loader, material, 0)?;
+    let mut read = read(loader, material, 0)?;
+    read.number_texcoords();
     loader.document.materials.push(read);
     let index = loader.document.materials.len() - 1;
     loader.materials.insert(material.index(), index);

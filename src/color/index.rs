@@ -127,6 +127,20 @@ impl IndexCurve {
         }
     }
 
+    /// The real index over that of a medium around it, by which light bends; exact for constants, else every 5 nm.
+    pub fn relative_to(&self, around: &Self) -> Self {
+        let ratio = |nm: f64| Complex64::new(self.at(nm).re / around.at(nm).re, 0.0);
+        match (self.as_constant(), around.as_constant()) {
+            (_, Some(constant)) if constant.re == 1.0 => self.clone(),
+            (Some(_), Some(_)) => Self(Form::Constant(ratio(super::MIN_NM))),
+            _ => {
+                let steps = ((super::MAX_NM - super::MIN_NM) / 5.0) as usize;
+                let row = |step: usize| super::MIN_NM + 5.0 * step as f64;
+                Self(Form::Table((0..=steps).map(|step| (row(step), [ratio(row(step)).re, 0.0])).collect()))
+            }
+        }
+    }
+
     /// The largest k over 380..780 nm; 0 is lossless.
     pub fn max_k(&self) -> f64 {
         self.extreme(|index| index.im, f64::max)

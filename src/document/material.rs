@@ -34,6 +34,62 @@ impl Default for Material {
     }
 }
 
+impl Material {
+    /// Every image reference.
+    pub fn maps(&self) -> impl Iterator<Item = &Map> {
+        let base = match &self.base {
+            Base::Diffuse { reflectance, .. } => reflectance.map.as_ref(),
+            Base::Conductor { microfacets, .. } | Base::Dielectric { microfacets, .. } => {
+                microfacets.roughness.map.as_ref()
+            }
+            Base::Black => None,
+        };
+        let films = self.films.iter().filter_map(|film| match &film.thickness {
+            Thickness::Map { map, .. } => Some(map),
+            _ => None,
+        });
+        let emission = self.emission.as_ref().and_then(|emission| emission.radiance.map.as_ref());
+        let normal = self.normal_map.as_ref().map(|normal_map| &normal_map.map);
+        base.into_iter().chain(films).chain(emission).chain(normal).chain(&self.opacity.map)
+    }
+
+    fn maps_mut(&mut self) -> impl Iterator<Item = &mut Map> {
+        let base = match &mut self.base {
+            Base::Diffuse { reflectance, .. } => reflectance.map.as_mut(),
+            Base::Conductor { microfacets, .. } | Base::Dielectric { microfacets, .. } => {
+                microfacets.roughness.map.as_mut()
+            }
+            Base::Black => None,
+        };
+        let films = self.films.iter_mut().filter_map(|film| match &mut film.thickness {
+            Thickness::Map { map, .. } => Some(map),
+            _ => None,
+        });
+        let emission = self.emission.as_mut().and_then(|emission| emission.radiance.map.as_mut());
+        let normal = self.normal_map.as_mut().map(|normal_map| &mut normal_map.map);
+        base.into_iter().chain(films).chain(emission).chain(normal).chain(&mut self.opacity.map)
+    }
+
+    /// The distinct texture coordinates of its maps, by their slots.
+    pub fn texcoords(&self) -> Vec<&str> {
+        let mut names: Vec<&str> = Vec::new();
+        for map in self.maps() {
+            if !names.contains(&map.texcoord.as_str()) {
+                names.push(&map.texcoord);
+            }
+        }
+        names
+    }
+
+    /// Gives each map the number of its texture coordinates among the material's.
+    pub fn number_texcoords(&mut self) {
+        let names: Vec<String> = self.texcoords().into_iter().map(str::to_owned).collect();
+        for map in self.maps_mut() {
+            map.slot = names.iter().position(|name| *name == map.texcoord).unwrap_or(0);
+        }
+    }
+}
+
 #[derive(Clone, Debug)]
 pub enum Base {
     /// Reflects nothing (a pure emitter).
@@ -54,7 +110,20 @@ pub enum Base {
         absorption_per_m: Vec3,
         /// False for CGL `<refraction>`, which transmits everything and reflects nothing.
         fresnel: bool,
+        /// Makes it a medium: where bodies overlap, the one of the highest priority is there. `None`: in air, whatever lies
+        /// around it.
+        priority: Option<u8>,
     },
+}
+
+impl Base {
+    /// Absorption of what lies inside, linear RGB per metre; zero for opaque bodies.
+    pub fn absorption_per_m(&self) -> Vec3 {
+        match self {
+            Self::Dielectric { absorption_per_m, .. } => *absorption_per_m,
+            _ => Vec3::ZERO,
+        }
+    }
 }
 
 impl Default for Base {

@@ -12,6 +12,7 @@ mod light;
 mod material;
 mod node;
 mod pose;
+mod preset;
 mod shape;
 mod texture;
 
@@ -21,6 +22,7 @@ pub use light::{AreaShape, Environment, Falloff, Light, LightKind, Presence, Spo
 pub use material::{Base, Distribution, Film, Material, Microfacets, SurfaceEmission, THICKEST_NM, Thickness, Tint};
 pub use node::{Binding, Item, Node, Transform, TransformKind};
 pub use pose::{Changes, PoseError};
+pub use preset::{Knob, Preset};
 pub use shape::{Geometry, Group, Mesh, Shape, UvSet};
 pub use texture::{Channel4, Encoding, Image, ImageSource, Map, NormalMap, Scalar, Texture, Wrap};
 
@@ -132,11 +134,14 @@ impl Document {
         if placed.iter().all(|(_, to_world)| to_world.w_axis.truncate() == Vec3::ZERO) {
             return None;
         }
+        // Once for each geometry: a mesh may be placed very often.
+        let bounds: Vec<Option<(Vec3, Vec3)>> =
+            self.geometries.iter().map(|geometry| geometry.shape.bounds()).collect();
         let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         for (node, to_world) in &placed {
             for item in &self.nodes[*node].items {
                 let Item::Geometry { geometry, .. } = item else { continue };
-                let Some((least, most)) = self.geometries[*geometry].shape.bounds() else { continue };
+                let Some((least, most)) = bounds[*geometry] else { continue };
                 for corner in 0..8 {
                     let pick = |axis: usize| if corner >> axis & 1 == 1 { most[axis] } else { least[axis] };
                     let point = to_world.transform_point3(Vec3::new(pick(0), pick(1), pick(2)));

@@ -22,11 +22,18 @@ impl Texture {
 pub struct Scalar {
     pub value: f32,
     pub map: Option<Map>,
+    /// The texel becomes `range[0] + (range[1] - range[0]) * texel`.
+    pub range: [f32; 2],
 }
 
 impl Scalar {
     pub fn constant(value: f32) -> Self {
-        Self { value, map: None }
+        Self::mapped(value, None)
+    }
+
+    /// With an image whose texels are the number itself.
+    pub fn mapped(value: f32, map: Option<Map>) -> Self {
+        Self { value, map, range: [0.0, 1.0] }
     }
 }
 
@@ -36,6 +43,8 @@ pub struct Map {
     pub image: usize,
     /// `texcoord` name, resolved per instance through [`Binding::uv_sets`](super::Binding::uv_sets); empty: the first set.
     pub texcoord: String,
+    /// Which of the material's texture coordinates that is ([`Material::number_texcoords`](super::Material::number_texcoords)).
+    pub slot: usize,
     pub encoding: Encoding,
     pub channel: Channel4,
     pub wrap: [Wrap; 2],
@@ -55,6 +64,8 @@ pub enum Channel4 {
     G,
     B,
     A,
+    /// Rec. 709 luminance of the three.
+    Luminance,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -8,12 +8,17 @@ use std::mem::{align_of, offset_of, size_of};
 use glam::Vec3;
 
 mod installed {
-    #![allow(non_snake_case)]
+    // Enums come with all their values.
+    #![allow(non_snake_case, dead_code)]
     include!(concat!(env!("OUT_DIR"), "/embree_layout.rs"));
 }
 
 pub(super) use installed::{
-    RTC_VERSION_MAJOR, RTC_VERSION_MINOR, RTCBounds, RTCHit, RTCHit8, RTCRay, RTCRay8, RTCRayHit, RTCRayHit8,
+    RTC_FEATURE_FLAG_ALL as ALL_FEATURES, RTC_RAY_QUERY_FLAG_INVOKE_ARGUMENT_FILTER as ASK_FOR_EACH_HIT,
+};
+pub(super) use installed::{
+    RTC_VERSION_MAJOR, RTC_VERSION_MINOR, RTCBounds, RTCFilterFunctionNArguments, RTCHit, RTCHit8,
+    RTCIntersectArguments, RTCRay, RTCRay8, RTCRayHit, RTCRayHit8, RTCRayQueryContext,
 };
 
 /// Embree's "no such geometry", "no such instance".

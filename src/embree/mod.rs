@@ -2,8 +2,8 @@
 //!
 //! [`AccelBuilder`] takes shapes (triangle meshes, spheres) and places them in the world, directly or as instances that
 //! share one BVH; [`AccelBuilder::build`] gives an [`Accel`], which answers [`Accel::intersect`] and
-//! [`Accel::occluded`], and both for [`BATCH`] rays at once, from any number of threads. This room knows numbers and
-//! vectors only; what a hit means is the caller's business, by [`Hit::place`] and [`Hit::prim`].
+//! [`Accel::occluded`], both for [`BATCH`] rays at once, and [`Accel::every_hit`], from any number of threads. This room knows
+//! numbers and vectors only; what a hit means is the caller's business, by [`Hit::place`] and [`Hit::prim`].
 
 #![allow(unsafe_code)]
 
@@ -11,6 +11,7 @@ mod accel;
 mod batch;
 mod builder;
 mod error;
+mod every;
 mod handle;
 mod layout;
 mod ray;

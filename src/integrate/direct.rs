@@ -1,6 +1,5 @@
 //! Next-event estimation: light that comes straight from a source.
 
-use super::path::transmission;
 use super::vertex::Vertex;
 use super::{PathLimits, Strategy, Tally, mis_weight};
 use crate::embree::Ray;
@@ -51,21 +50,22 @@ pub(super) fn direct_light<M: Mode>(
     let origin = vertex.surface.leave(sample.wi);
     let tfar = sample.distance_m * (1.0 - SHADOW_GAP);
     let shadow = Ray { tfar, ..Ray::new(origin, sample.wi) };
+    let interior = if wi.z * vertex.wo.z > 0.0 { &vertex.interior } else { &vertex.beyond };
     let (mut passed, mut chance) = (M::Light::ONE, 1.0);
     if scene.lets_through() {
-        (passed, chance) = scene.transmittance(&shadow, waves, &mut tally.shadow_rays);
+        (passed, chance) = scene.transmittance(&shadow, interior, waves, &mut tally.shadow_rays);
         if passed.is_black() {
             return Direct::NONE;
         }
     } else {
         tally.shadow_rays += 1;
+        if sample.distance_m.is_finite() && interior.absorption_per_m != glam::Vec3::ZERO {
+            passed = Scene::<M>::left_over(interior, sample.distance_m, waves);
+        }
     }
 
     let alone = sample.alone || limits.strategy == Strategy::Light;
     let weight = if alone { 1.0 } else { mis_weight(sample.pdf, scatter_pdf * chance) };
-    let mut light = value * arriving * passed * (weight / sample.pdf);
-    if wi.z * vertex.wo.z > 0.0 && sample.distance_m.is_finite() && vertex.absorption_per_m != glam::Vec3::ZERO {
-        light *= transmission::<M>(vertex.absorption_per_m, sample.distance_m, waves);
-    }
+    let light = value * arriving * passed * (weight / sample.pdf);
     Direct { light, shadow: (!scene.lets_through()).then_some(shadow) }
 }

@@ -9,7 +9,7 @@ use crate::bsdf::Pdf;
 use crate::embree::Ray;
 use crate::math::Sampler;
 use crate::mode::{Lanes, Mode};
-use crate::scene::{Scene, Surface};
+use crate::scene::{Interior, Material, Scene, Surface};
 
 /// Surfaces that one path may pass straight through.
 const MAX_THROUGH: u32 = 256;
@@ -25,7 +25,7 @@ pub struct Path<M: Mode> {
     pub(super) throughput: M::Light,
     /// Where the ray was scattered and with what density; `None` when light sampling could not have drawn it.
     scattered: Option<(Vec3, f32)>,
-    pub(super) absorption_per_m: Vec3,
+    interior: Interior,
     /// What roulette multiplies the throughput with: radiance is compressed inside dense bodies, which is no loss, and a
     /// tail starts with the importance of the path it belongs to.
     pub(super) importance: f32,
@@ -43,17 +43,18 @@ pub struct Path<M: Mode> {
 }
 
 /// What a path comes to at the end of its ray.
-pub(super) enum Arrival<'s> {
+pub(super) enum Arrival<'s, M: Mode> {
     /// The path is over.
     End,
     /// A hole: the path goes straight on.
     Through,
-    At(Surface<'s>),
+    /// With what lies on the far side.
+    At(Surface<'s>, &'s Material<M>, Interior),
 }
 
 impl<M: Mode> Path<M> {
-    /// `blind` paths leave out what [`seen_light`](super::seen_light) finds.
-    pub fn new(ray: Ray, waves: M::Waves, sampler: Sampler, blind: bool) -> Self {
+    /// `interior` is what the ray begins in; `blind` paths leave out what [`seen_light`](super::seen_light) finds.
+    pub fn new(ray: Ray, interior: Interior, waves: M::Waves, sampler: Sampler, blind: bool) -> Self {
         Self {
             ray,
             waves,
@@ -61,7 +62,7 @@ impl<M: Mode> Path<M> {
             radiance: M::Light::ZERO,
             throughput: M::Light::ONE,
             scattered: None,
-            absorption_per_m: Vec3::ZERO,
+            interior,
             importance: 1.0,
             bounce: 0,
             passed: 0,
@@ -83,9 +84,9 @@ impl<M: Mode> Path<M> {
         scene: &'s Scene<M>,
         met: Option<Surface<'s>>,
         limits: &PathLimits,
-    ) -> Arrival<'s> {
+    ) -> Arrival<'s, M> {
         let blind = std::mem::take(&mut self.blind);
-        let Some(surface) = met else {
+        let Some(mut surface) = met else {
             if blind {
                 return Arrival::End;
             }
@@ -95,9 +96,9 @@ impl<M: Mode> Path<M> {
             });
             return Arrival::End;
         };
-        if self.absorption_per_m != Vec3::ZERO {
+        if self.interior.absorption_per_m != Vec3::ZERO {
             let distance_m = surface.position.distance(self.ray.origin);
-            self.throughput *= transmission::<M>(self.absorption_per_m, distance_m, &self.waves);
+            self.throughput *= Scene::<M>::left_over(&self.interior, distance_m, &self.waves);
         }
 
         // Add what the surface emits.
@@ -113,13 +114,19 @@ impl<M: Mode> Path<M> {
             return Arrival::End;
         }
 
-        // Pass through holes.
+        // Pass through holes, and through what another body takes the place of.
         self.u_surface = self.sampler.next_4d();
-        let coverage = scene.material(&surface).coverage(&surface, scene.textures());
-        if self.u_surface[3] < coverage || self.passed >= MAX_THROUGH {
-            return Arrival::At(surface);
+        let (material, beyond) = scene.meet(&self.ray, &mut surface, &self.interior);
+        let coverage = material.map_or(0.0, |material| material.coverage(&surface, scene.textures()));
+        match material {
+            Some(material) if self.u_surface[3] < coverage || self.passed >= MAX_THROUGH => {
+                return Arrival::At(surface, material, beyond);
+            }
+            None if self.passed >= MAX_THROUGH => return Arrival::End,
+            _ => {}
         }
         self.passed += 1;
+        self.interior = beyond;
         self.scattered = self.scattered.map(|(from, pdf)| (from, pdf * (1.0 - coverage)));
         self.ray = Ray::new(surface.leave(self.ray.dir), self.ray.dir);
         Arrival::Through
@@ -127,8 +134,13 @@ impl<M: Mode> Path<M> {
 
     /// The surface that the path is at, ready to scatter.
     #[inline]
-    pub(super) fn vertex<'s>(&self, scene: &'s Scene<M>, surface: Surface<'s>) -> Vertex<'s, M> {
-        Vertex::new(scene, surface, -self.ray.dir, self.absorption_per_m, &self.waves)
+    pub(super) fn vertex<'s>(
+        &self,
+        scene: &'s Scene<M>,
+        (surface, material): (Surface<'s>, &'s Material<M>),
+        beyond: Interior,
+    ) -> Vertex<'s, M> {
+        Vertex::new(scene, (surface, material), -self.ray.dir, [self.interior, beyond], &self.waves)
     }
 
     /// Draws light that reaches a vertex straight from a source, to be added by the caller, and sends the path on: false
@@ -168,7 +180,7 @@ impl<M: Mode> Path<M> {
         }
         if sample.wi.z * vertex.wo.z < 0.0 {
             let entering = sample.wi.z < 0.0;
-            self.absorption_per_m = if entering { vertex.material.absorption_per_m() } else { Vec3::ZERO };
+            self.interior = vertex.beyond;
             self.importance *= vertex.bsdf.compression(entering);
         }
         self.ray = Ray::new(vertex.surface.leave(wi), wi);
@@ -204,9 +216,4 @@ fn hit_weight(densities: Option<(f32, f32)>, limits: &PathLimits) -> f32 {
         (Some(_), Strategy::Light) => 0.0,
         (Some((scatter_pdf, light_pdf)), Strategy::Mis | Strategy::Shared) => mis_weight(scatter_pdf, light_pdf),
     }
-}
-
-/// Beer-Lambert.
-pub(super) fn transmission<M: Mode>(absorption_per_m: Vec3, distance_m: f32, waves: &M::Waves) -> M::Light {
-    M::reflectance((-absorption_per_m * distance_m).exp(), waves)
 }

@@ -86,8 +86,8 @@ pub fn radiances<M: Mode>(
             let goes_on = match path.arrive(scene, scene.surface(&hits, i), limits) {
                 Arrival::End => false,
                 Arrival::Through => true,
-                Arrival::At(surface) => {
-                    let vertex = path.vertex(scene, surface);
+                Arrival::At(surface, material, beyond) => {
+                    let vertex = path.vertex(scene, (surface, material), beyond);
                     let kept = post.judge(&vertex, path);
                     let (direct, goes_on) = path.scatter(scene, &vertex, limits, tally);
                     match direct.shadow {
@@ -177,7 +177,7 @@ fn looks_around<M: Mode>(x: &Vertex<M>, path: &Path<M>) -> bool {
         Bsdf::Conductor(_) => !x.bsdf.is_delta(),
         Bsdf::Black | Bsdf::Dielectric(_) => false,
     };
-    scatters && path.bounce < SURE_BOUNCES && !path.collapsed && x.absorption_per_m == Vec3::ZERO
+    scatters && path.bounce < SURE_BOUNCES && !path.collapsed && x.interior.absorption_per_m == Vec3::ZERO
 }
 
 fn is_matte<M: Mode>(y: &Vertex<M>) -> bool {

@@ -6,7 +6,7 @@ use super::vertex::{Vertex, facing};
 use crate::embree::{BATCH, Hits, Ray};
 use crate::math::Sampler;
 use crate::mode::{Lanes, Mode};
-use crate::scene::Scene;
+use crate::scene::{Interior, Material, Scene};
 
 /// Surfaces that one ray goes on from: mirrors, clear glass, holes.
 const MAX_FOLLOWED: u32 = 32;
@@ -50,6 +50,7 @@ pub struct Wanted {
 /// One ray on its way to what it shows.
 struct Look<M: Mode> {
     ray: Ray,
+    interior: Interior,
     sampler: Sampler,
     waves: M::Waves,
     throughput: M::Light,
@@ -70,15 +71,20 @@ impl<'s, M: Mode> Looker<'s, M> {
         Self { scene, white: M::spectrum(&scene.stage.white, &scene.stage.sensor), wanted }
     }
 
-    /// What the first `count` of these camera rays show, each with the rest of its sample's numbers and one that picks
-    /// wavelengths: the first surface that is there (holes are passed as the path loop passes them, by the same numbers),
+    /// What the first `count` of these camera rays show, which start in `interior`, each with the rest of its sample's numbers
+    /// and one that picks wavelengths: the first surface that is there (holes are passed as the path loop passes them, by the same numbers),
     /// and a clue.
-    pub fn look(&self, rays: &[(Ray, Sampler, f32); BATCH], count: usize) -> [(Option<Sight>, Clue); BATCH] {
+    pub fn look(
+        &self,
+        rays: &[(Ray, Sampler, f32); BATCH],
+        interior: Interior,
+        count: usize,
+    ) -> [(Option<Sight>, Clue); BATCH] {
         let mut looks: [Look<M>; BATCH] = std::array::from_fn(|i| {
             let (ray, ref sampler, u_waves) = rays[i];
             let (sight, clue) = (None, Clue::default());
             let (sampler, waves, throughput) = (sampler.clone(), M::waves(u_waves), M::Light::ONE);
-            Look { ray, sampler, waves, throughput, sight, clue }
+            Look { ray, interior, sampler, waves, throughput, sight, clue }
         });
         let mut active = ((1u32 << count) - 1) as u8;
         for _ in 0..MAX_FOLLOWED {
@@ -98,7 +104,7 @@ impl<'s, M: Mode> Looker<'s, M> {
     /// Takes note of what ray `lane` has met; true if it goes on from there.
     fn follow(&self, look: &mut Look<M>, hits: &Hits, lane: usize) -> bool {
         let scene = self.scene;
-        let Some(surface) = scene.surface(hits, lane) else {
+        let Some(mut surface) = scene.surface(hits, lane) else {
             if !self.wanted.clues {
                 return false;
             }
@@ -107,20 +113,24 @@ impl<'s, M: Mode> Looker<'s, M> {
             look.clue = Clue { albedo: self.shown(look, sky), normal: Vec3::ZERO };
             return false;
         };
+        let (material, beyond) = scene.meet(&look.ray, &mut surface, &look.interior);
         let u = look.sampler.next_4d();
-        if u[3] >= scene.material(&surface).coverage(&surface, scene.textures()) {
+        let covers = |material: &&Material<M>| u[3] < material.coverage(&surface, scene.textures());
+        let Some(material) = material.filter(covers) else {
+            look.interior = beyond;
             look.ray = Ray::new(surface.leave(look.ray.dir), look.ray.dir);
             return true;
-        }
+        };
 
         let toward = -look.ray.dir;
         let side = 1.0f32.copysign(surface.ng.dot(toward));
         let painting = self.wanted.albedo || self.wanted.clues;
-        let vertex = painting.then(|| Vertex::new(scene, surface, toward, Vec3::ZERO, &look.waves));
+        let vertex =
+            painting.then(|| Vertex::new(scene, (surface, material), toward, [look.interior, beyond], &look.waves));
         let albedo = vertex.as_ref().map_or(M::Light::ZERO, |vertex| vertex.bsdf.albedo(&look.waves));
         let painted = M::emitted(&self.white, Vec3::ONE, &look.waves) * albedo;
         look.sight.get_or_insert_with(|| {
-            let normal = scene.material(&surface).normal(&surface, scene.textures());
+            let normal = material.normal(&surface, scene.textures());
             Sight {
                 position: surface.position,
                 normal: facing(normal, surface.ng, toward).0.normal * side,
@@ -149,6 +159,9 @@ impl<'s, M: Mode> Looker<'s, M> {
         look.throughput *= sample.weight;
         if sample.collapses {
             M::collapse(&mut look.waves);
+        }
+        if sample.wi.z * vertex.wo.z < 0.0 {
+            look.interior = vertex.beyond;
         }
         look.ray = Ray::new(surface.leave(wi), wi);
         true

@@ -5,38 +5,38 @@ use glam::Vec3;
 use crate::bsdf::Bsdf;
 use crate::math::Frame;
 use crate::mode::Mode;
-use crate::scene::{Material, Scene, Surface};
+use crate::scene::{Interior, Material, Scene, Surface};
 
 /// Smallest cosine between a bent shading normal and the viewer.
 const GRAZING: f32 = 1e-3;
 
 pub(super) struct Vertex<'s, M: Mode> {
     pub surface: Surface<'s>,
-    pub material: &'s Material<M>,
     pub frame: Frame,
     pub bsdf: Bsdf<'s, M>,
     /// Towards where the path came from, local frame.
     pub wo: Vec3,
-    /// Absorption on the side of `wo`, linear RGB per metre.
-    pub absorption_per_m: Vec3,
+    /// What lies on the side of `wo`, and beyond the surface.
+    pub interior: Interior,
+    pub beyond: Interior,
     /// True when the interpolated normal had to be bent to face the viewer: scattering then depends on where that is.
     pub bent: bool,
 }
 
 impl<'s, M: Mode> Vertex<'s, M> {
+    /// `interior` and `beyond`: what lies on the viewer's side and on the other.
     #[inline]
     pub fn new(
         scene: &'s Scene<M>,
-        surface: Surface<'s>,
+        (surface, material): (Surface<'s>, &'s Material<M>),
         toward_viewer: Vec3,
-        absorption_per_m: Vec3,
+        [interior, beyond]: [Interior; 2],
         waves: &M::Waves,
     ) -> Self {
-        let material = scene.material(&surface);
         let (frame, bent) = facing(material.normal(&surface, scene.textures()), surface.ng, toward_viewer);
         let bsdf = material.bsdf(&surface, scene.textures(), waves);
         let wo = frame.to_local(toward_viewer);
-        Self { surface, material, frame, bsdf, wo, absorption_per_m, bent }
+        Self { surface, frame, bsdf, wo, interior, beyond, bent }
     }
 
     /// The local direction, unless interpolated normal and real surface disagree about its side.

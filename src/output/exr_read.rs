@@ -9,7 +9,7 @@ use exr::prelude::{
 };
 
 use super::error::OutputError;
-use super::picture::{Crop, HeaderValue, Layer, LayerKind, Picture};
+use super::picture::{Crop, HeaderValue, Layer, LayerKind, PIXEL_ASPECT, Picture};
 
 /// Reads an EXR of one flat part. Missing R, G, B are 0, a missing A is 1. Other channels become layers, in the order of
 /// their names; text, whole numbers and floats of the header that are not part of the format itself become
@@ -37,6 +37,9 @@ pub fn read_exr(path: &Path) -> Result<Picture, OutputError> {
         .map_err(|()| damaged("pixels before the frame's corner are not supported"))?;
 
     let mut header = header(image.attributes.other.iter().chain(&layer.attributes.other));
+    if image.attributes.pixel_aspect != 1.0 {
+        header.push((PIXEL_ASPECT.to_owned(), HeaderValue::Float(image.attributes.pixel_aspect)));
+    }
     header.sort_by(|a, b| a.0.cmp(&b.0));
     let (rgba, layers) = channels(layer.channel_data, width as usize * height as usize);
     Ok(Picture { width, height, crop, rgba, layers, header })

@@ -12,7 +12,7 @@ use exr::prelude::{
 
 use super::atomic;
 use super::error::OutputError;
-use super::picture::{HeaderValue, Layer, LayerKind, Picture, Written};
+use super::picture::{HeaderValue, Layer, LayerKind, PIXEL_ASPECT, Picture, Written};
 
 /// Rec. 709 with D65, the space of [`Picture::rgba`].
 const CHROMATICITIES: Chromaticities =
@@ -65,7 +65,7 @@ fn encode(picture: &Picture, float: bool, written: &mut Written) -> Result<Vec<u
     let mut image = Image::from_layer(layer);
     image.attributes = ImageAttributes {
         display_window,
-        pixel_aspect: 1.0,
+        pixel_aspect: picture.pixel_aspect(),
         chromaticities: Some(CHROMATICITIES),
         time_code: None,
         other: header(&picture.header)?,
@@ -108,7 +108,8 @@ fn half(value: f32, clamped: &mut u64) -> f16 {
 
 fn header(values: &[(String, HeaderValue)]) -> Result<HashMap<Text, AttributeValue>, String> {
     let mut attributes = HashMap::new();
-    for (name, value) in values {
+    // EXR has a place of its own for the pixels' aspect.
+    for (name, value) in values.iter().filter(|(name, _)| name != PIXEL_ASPECT) {
         let value = match value {
             HeaderValue::Text(value) => AttributeValue::Text(text(value)?),
             HeaderValue::Int(value) => AttributeValue::I32(*value),

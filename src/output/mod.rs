@@ -25,7 +25,7 @@ pub use exr_read::read_exr;
 pub use exr_write::write_exr;
 pub use notes::note;
 pub use part::{PartBlock, PartReader, write_part};
-pub use picture::{Crop, Format, HeaderValue, Layer, LayerKind, Picture, Written};
+pub use picture::{Crop, Format, HeaderValue, Layer, LayerKind, PIXEL_ASPECT, Picture, Written};
 pub use png::{PngDepth, write_png};
 pub use video::{Container, VideoPlan, check_ffmpeg, write_video};
 

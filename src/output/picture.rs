@@ -83,7 +83,19 @@ impl Format {
     }
 }
 
+/// The header value that tells the width of a pixel over its height, where that is not 1.
+pub const PIXEL_ASPECT: &str = "pixelAspectRatio";
+
 impl Picture {
+    /// Width of a pixel over its height.
+    pub(super) fn pixel_aspect(&self) -> f32 {
+        let of = |(name, value): &(String, HeaderValue)| match value {
+            HeaderValue::Float(aspect) if name == PIXEL_ASPECT => Some(*aspect),
+            _ => None,
+        };
+        self.header.iter().find_map(of).unwrap_or(1.0)
+    }
+
     /// What is wrong with the sizes, if anything.
     pub(super) fn check(&self) -> Result<(), String> {
         let pixels = u64::from(self.width) * u64::from(self.height);

@@ -5,7 +5,8 @@ use std::io::BufReader;
 use std::path::Path;
 
 use png::{
-    BitDepth, ColorType, Decoder, Encoder, EncodingError, ScaledFloat, SourceChromaticities, SrgbRenderingIntent,
+    BitDepth, ColorType, Decoder, Encoder, EncodingError, PixelDimensions, ScaledFloat, SourceChromaticities,
+    SrgbRenderingIntent, Unit,
 };
 
 use super::atomic;
@@ -47,6 +48,9 @@ pub(super) fn is_complete(path: &Path) -> bool {
     walk().is_ok()
 }
 
+/// Fine enough to state any ratio of a pixel's sides.
+const PIXELS_PER_UNIT: u32 = 10_000;
+
 fn encode(picture: &Picture, signal: &[u8], depth: PngDepth) -> Result<Vec<u8>, EncodingError> {
     let mut file = Vec::new();
     let mut encoder = Encoder::new(&mut file, picture.width, picture.height);
@@ -60,6 +64,12 @@ fn encode(picture: &Picture, signal: &[u8], depth: PngDepth) -> Result<Vec<u8>, 
     encoder.set_source_gamma(ScaledFloat::from_scaled(45_455));
     let (white, red, green, blue) = ((0.3127, 0.329), (0.64, 0.33), (0.3, 0.6), (0.15, 0.06));
     encoder.set_source_chromaticities(SourceChromaticities::new(white, red, green, blue));
+    let aspect = picture.pixel_aspect();
+    if aspect != 1.0 {
+        // Pixels per unit of length: fewer across where they are wide.
+        let (xppu, yppu) = (PIXELS_PER_UNIT, (PIXELS_PER_UNIT as f32 * aspect).round() as u32);
+        encoder.set_pixel_dims(Some(PixelDimensions { xppu, yppu, unit: Unit::Unspecified }));
+    }
     encoder.add_text_chunk("Software".to_string(), format!("pellicle {}", env!("CARGO_PKG_VERSION")))?;
     for (name, value) in &picture.header {
         let value = match value {

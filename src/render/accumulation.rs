@@ -7,6 +7,7 @@ use super::noise;
 use super::sums::{Sums, Totals, estimate};
 use super::tile::Tile;
 use crate::integrate::Tally;
+use crate::scene::Window;
 
 /// Largest number of samples that a pass adds to each pixel. A render stops between tiles: no pixel is then more than this
 /// ahead of another.
@@ -15,7 +16,10 @@ const PASS_SPP: u32 = 16;
 /// The sums over a range of the samples of every pixel. Ranges can be rendered in any pieces, anywhere, and added in any
 /// order: the [`Frame`] is the same to the last bit.
 pub struct Accumulation {
+    /// Of the whole picture.
     pub size: [u32; 2],
+    /// The pixels that are wanted of it; whole tiles are rendered, because their pixels share light.
+    pub window: Window,
     /// Sample indices that it is to hold in the end.
     pub samples: Range<u32>,
     pub(super) tiles: Vec<Tile>,
@@ -35,8 +39,18 @@ pub struct Block {
 
 impl Accumulation {
     pub fn new(size: [u32; 2], samples: Range<u32>) -> Self {
-        let tiles = Tile::grid(size, samples.start);
-        Self { size, samples, tiles, tally: Tally::default(), threads: 0, render_s: 0.0, render_cpu_s: 0.0 }
+        Self::cropped(size, Window::whole(size), samples)
+    }
+
+    /// Of a part of the picture, whose pixels get the bits that they have in the whole.
+    pub fn cropped(size: [u32; 2], window: Window, samples: Range<u32>) -> Self {
+        let tiles = Tile::grid(size, &window, samples.start);
+        Self { size, window, samples, tiles, tally: Tally::default(), threads: 0, render_s: 0.0, render_cpu_s: 0.0 }
+    }
+
+    /// Pixels that are rendered.
+    pub fn pixels(&self) -> u64 {
+        self.tiles.iter().map(|tile| tile.sums.len() as u64).sum()
     }
 
     /// Samples that every pixel has; where the render was stopped, some have a few more.
@@ -63,7 +77,7 @@ impl Accumulation {
         self.tiles.iter().all(|tile| tile.next == self.samples.end)
     }
 
-    /// The sums in pieces, in an order that depends on nothing but the size.
+    /// The sums in pieces, in an order that depends on nothing but the size and the window.
     pub fn blocks(&self) -> impl Iterator<Item = Block> + '_ {
         self.tiles.iter().map(|tile| Block {
             next: tile.next,
@@ -119,7 +133,7 @@ impl Accumulation {
 
     /// The picture.
     pub fn into_frame(self) -> Frame {
-        let [width, height] = self.size;
+        let Window { width, height, .. } = self.window;
         let count = width as usize * height as usize;
         let mut rgb = vec![[0.0; 3]; count];
         let mut variance = vec![[0.0; 3]; count];
@@ -130,8 +144,7 @@ impl Accumulation {
         for tile in self.tiles {
             let own = tile.next - self.samples.start;
             for i in 0..tile.sums.len() {
-                let (x, y) = (tile.x0 + i as u32 % tile.width, tile.y0 + i as u32 / tile.width);
-                let index = y as usize * width as usize + x as usize;
+                let Some(index) = self.window.index_of(tile.place(i as u32)) else { continue };
                 let channels = estimate(&tile.sums.get(i), own);
                 samples[index] = own;
                 for (group, mean) in groups.iter_mut().zip(tile.light_means(i, own)) {
@@ -141,7 +154,21 @@ impl Accumulation {
                 variance[index] = channels.map(|(_, variance)| variance as f32);
             }
         }
-        let Self { tally, threads, render_s, render_cpu_s, .. } = self;
-        Frame { width, height, spp, samples, rgb, variance, groups, tally, threads, render_s, render_cpu_s }
+        let Self { size, window, tally, threads, render_s, render_cpu_s, .. } = self;
+        Frame {
+            width,
+            height,
+            size,
+            window,
+            spp,
+            samples,
+            rgb,
+            variance,
+            groups,
+            tally,
+            threads,
+            render_s,
+            render_cpu_s,
+        }
     }
 }

@@ -4,11 +4,15 @@ use sha2::{Digest, Sha256};
 
 use super::noise;
 use crate::integrate::Tally;
+use crate::scene::Window;
 
 /// Mean radiance per pixel, row by row from the upper left, linear sRGB.
 pub struct Frame {
     pub width: u32,
     pub height: u32,
+    /// The whole picture's, and where in it this is.
+    pub size: [u32; 2],
+    pub window: Window,
     /// Samples that every pixel has; where the render was stopped, some have a few more.
     pub spp: u32,
     /// Samples that each pixel has.

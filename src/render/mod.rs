@@ -97,7 +97,7 @@ pub fn render<M: Mode>(
     plan: &Plan,
     watch: &dyn Watch,
 ) -> Result<Frame, RenderError> {
-    let mut sums = Accumulation::new(camera.size, 0..plan.spp);
+    let mut sums = Accumulation::cropped(camera.size, camera.window(), 0..plan.spp);
     accumulate(scene, camera, plan, &mut sums, watch)?;
     Ok(sums.into_frame())
 }
@@ -115,6 +115,7 @@ pub fn accumulate<M: Mode>(
 ) -> Result<(), RenderError> {
     let pool = pool(plan)?;
     sums.threads = pool.current_num_threads();
+    let camera = &camera.settled(scene);
     let clock = std::time::Instant::now();
     let cpu_clock = CpuClock::start();
     let total = sums.samples.end - sums.samples.start;
@@ -225,7 +226,7 @@ fn render_group<M: Mode>(
         let [x, y] = tile.place(member);
         let (ray, sampler) = camera_sample(camera, plan, [x, y], index);
         let blind = edges.cross(x - tile.x0, y - tile.y0);
-        paths.push(Path::new(ray, waves, sampler, blind));
+        paths.push(Path::new(ray, camera.interior, waves, sampler, blind));
     }
     radiances(scene, &mut paths, &plan.limits, tally);
     for (&member, path) in group.iter().zip(&mut paths) {

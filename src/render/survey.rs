@@ -16,7 +16,7 @@ use super::{Plan, RenderError, camera_sample, pool};
 use crate::embree::BATCH;
 use crate::integrate::{Clue, Looker, Sight, Wanted};
 use crate::mode::Mode;
-use crate::scene::{Camera, Scene};
+use crate::scene::{Camera, Scene, Window};
 
 /// Samples that are looked at: enough for smooth edges, and a small share of what long renders take.
 const MOST_SAMPLES: u32 = 64;
@@ -68,6 +68,7 @@ struct Row {
 /// What all pixels show.
 pub struct Survey {
     rows: Vec<Row>,
+    window: Window,
     samples: u32,
     wanted: Wanted,
     /// Wall and user + system seconds.
@@ -76,9 +77,11 @@ pub struct Survey {
 }
 
 impl Survey {
-    pub fn new([width, height]: [u32; 2], wanted: Wanted) -> Self {
+    /// Of a part of a picture.
+    pub fn new(window: Window, wanted: Wanted) -> Self {
+        let Window { width, height, .. } = window;
         let row = Row { pixels: vec![Seen::NOTHING; width as usize], nodes: Counts::new(), materials: Counts::new() };
-        Self { rows: vec![row; height as usize], samples: 0, wanted, survey_s: 0.0, survey_cpu_s: 0.0 }
+        Self { rows: vec![row; height as usize], window, samples: 0, wanted, survey_s: 0.0, survey_cpu_s: 0.0 }
     }
 
     /// Looks along the camera rays of these samples of every pixel, up to the first 64.
@@ -95,11 +98,13 @@ impl Survey {
         let samples = samples.start..samples.end.min(MOST_SAMPLES);
         let pool = pool(plan)?;
         let (clock, cpu_clock) = (Instant::now(), CpuClock::start());
+        let camera = &camera.settled(scene);
+        let Window { x: x0, y: y0, .. } = self.window;
         let looker = Looker::new(scene, self.wanted);
         pool.install(|| {
             self.rows.par_iter_mut().enumerate().for_each(|(y, row)| {
                 for x in 0..row.pixels.len() as u32 {
-                    row.add(&looker, camera, plan, [x, y as u32], samples.clone());
+                    row.add(&looker, camera, plan, (x, [x0 + x, y0 + y as u32]), samples.clone());
                 }
             });
         });
@@ -147,7 +152,7 @@ impl Row {
         looker: &Looker<M>,
         camera: &Camera,
         plan: &Plan,
-        [x, y]: [u32; 2],
+        (x, place): (u32, [u32; 2]),
         samples: Range<u32>,
     ) {
         let pixel = &mut self.pixels[x as usize];
@@ -156,10 +161,10 @@ impl Row {
             let count = BATCH.min((samples.end - first) as usize);
             let rays = std::array::from_fn(|i| {
                 let index = (first + i as u32).min(samples.end - 1);
-                let (ray, sampler) = camera_sample(camera, plan, [x, y], index);
+                let (ray, sampler) = camera_sample(camera, plan, place, index);
                 (ray, sampler, (f64::from(index) * GOLDEN).fract() as f32)
             });
-            for (sight, clue) in looker.look(&rays, count).into_iter().take(count) {
+            for (sight, clue) in looker.look(&rays, camera.interior, count).into_iter().take(count) {
                 pixel.clue.albedo += clue.albedo;
                 pixel.clue.normal += clue.normal;
                 let Some(sight) = sight else { continue };

@@ -7,6 +7,7 @@ use super::edge::Edges;
 use super::sums::Sums;
 use crate::integrate::GROUP;
 use crate::math::distribution::spread_bits;
+use crate::scene::Window;
 
 pub const TILE_SIDE: u32 = 16;
 
@@ -57,9 +58,9 @@ impl Tile {
         [self.x0 + pixel % self.width, self.y0 + pixel / self.width]
     }
 
-    /// All tiles of a picture, without samples before index `first`, along a Z-order curve: neighbours in time are
-    /// neighbours in space.
-    pub fn grid([width, height]: [u32; 2], first: u32) -> Vec<Self> {
+    /// All tiles of a picture that a window touches, without samples before index `first`, along a Z-order curve: neighbours
+    /// in time are neighbours in space.
+    pub fn grid([width, height]: [u32; 2], window: &Window, first: u32) -> Vec<Self> {
         let (columns, rows) = (width.div_ceil(TILE_SIDE), height.div_ceil(TILE_SIDE));
         let mut places: Vec<[u32; 2]> =
             (0..rows).flat_map(|row| (0..columns).map(move |column| [column, row])).collect();
@@ -67,10 +68,13 @@ impl Tile {
         let tile = |[column, row]: [u32; 2]| {
             let (x0, y0) = (column * TILE_SIDE, row * TILE_SIDE);
             let (tile_width, tile_height) = ((width - x0).min(TILE_SIDE), (height - y0).min(TILE_SIDE));
+            if !window.touches(&Window { x: x0, y: y0, width: tile_width, height: tile_height }) {
+                return None;
+            }
             let sums = Sums::new((tile_width * tile_height) as usize);
-            Self { x0, y0, width: tile_width, next: first, sums, lights: Vec::new(), edges: None }
+            Some(Self { x0, y0, width: tile_width, next: first, sums, lights: Vec::new(), edges: None })
         };
-        places.into_iter().map(tile).collect()
+        places.into_iter().filter_map(tile).collect()
     }
 }
 
@@ -81,7 +85,7 @@ mod tests {
     #[test]
     fn tiles_cover_every_pixel_once() {
         for size in [[1, 1], [16, 16], [17, 33], [100, 3]] {
-            let tiles = Tile::grid(size, 0);
+            let tiles = Tile::grid(size, &Window::whole(size), 0);
             let mut seen = vec![0; (size[0] * size[1]) as usize];
             for tile in &tiles {
                 for i in 0..tile.sums.len() as u32 {

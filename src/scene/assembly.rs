@@ -10,10 +10,10 @@ use super::environment::{Sky, SkyImage};
 use super::groups::LightGroups;
 use super::light::{Emitter, Source};
 use super::lighting::{self, PlacedLight};
-use super::surface::{Body, Glow, NO_MAPS, Part, Place, Shading, normal_matrix};
+use super::surface::{Body, Glow, NO_MAPS, Part, Place, Shading, UV_SLOTS, normal_matrix};
 use super::texture::Texture;
 use crate::color::Emission;
-use crate::document::{self, Base, Document, Geometry, Item, Map, Mesh, Shape};
+use crate::document::{self, Document, Geometry, Item, Mesh, Shape};
 use crate::embree::{self, AccelBuilder};
 
 /// A mesh that Embree holds, with what shading needs of it.
@@ -122,6 +122,7 @@ impl<'a> Assembly<'a> {
             radiance: emission.radiance.clone(),
             spectrum: self.spectrum(&emission.spectrum),
             two_sided: emission.two_sided,
+            opacity: material.opacity.clone(),
         });
         self.glows.push(glow);
         self.materials.push(material);
@@ -243,8 +244,16 @@ impl<'a> Assembly<'a> {
         parts: Vec<Part>,
     ) {
         let mut place = Place::new(shape, Body::Mesh(shading), parts, to_world, object_to_world);
-        place.height_m = heights(mesh, &object_to_world);
+        if self.drains(&place.parts) {
+            place.height_m = heights(mesh, &object_to_world);
+        }
         self.add_place(place, Some(mesh), &object_to_world);
+    }
+
+    /// True where a film drains: only then it matters how high a place reaches, which takes a look at each vertex.
+    fn drains(&self, parts: &[Part]) -> bool {
+        let drains = |film: &document::Film| matches!(film.thickness, document::Thickness::Drain { .. });
+        parts.iter().any(|part| self.materials[part.material as usize].films.iter().any(drains))
     }
 
     /// Adds a place with the emitters of its shining parts.
@@ -277,7 +286,7 @@ impl<'a> Assembly<'a> {
         if self.mobile && (built.stale || place.to_world != to_world || place.to_object != object_to_world.inverse()) {
             built.moves.push((number, to_world));
             place.stand(to_world, object_to_world);
-            if let Some(mesh) = mesh {
+            if let Some(mesh) = mesh.filter(|_| self.drains(&place.parts)) {
                 place.height_m = heights(mesh, &object_to_world);
             }
         }
@@ -308,8 +317,8 @@ impl<'a> Assembly<'a> {
             true => builder.place_instance(shape, stands)?,
             false => builder.place(shape)?,
         };
-        let uv_set = first_texcoord(&self.materials[material as usize]).map_or(NO_MAPS, |_| 0);
-        let parts = vec![Part { end: u32::MAX, material, first: 0, emitter: u32::MAX, uv_set }];
+        let uv_sets = uv_slots(&self.materials[material as usize], |_| 0);
+        let parts = vec![Part { end: u32::MAX, material, first: 0, emitter: u32::MAX, uv_sets }];
         let body = Body::Sphere { center: held_center, radius };
         self.add_place(Place::new(shape, body, parts, stands, to_world), None, &to_world);
         Ok(())
@@ -338,45 +347,27 @@ fn parts(document: &Document, geometry: &Geometry, mesh: &Mesh, bindings: &[docu
     let part = |group: &document::Group| {
         let binding = bindings.iter().find(|b| b.symbol == group.symbol);
         let material = binding.map_or(fallback, |b| b.material);
-        let texcoord = document.materials.get(material).and_then(first_texcoord);
-        let bound_set = binding
-            .zip(texcoord)
-            .and_then(|(b, name)| b.uv_sets.iter().find(|(semantic, _)| semantic == name).map(|(_, set)| *set));
-        let uv_set = match texcoord {
-            Some(_) => bound_set.and_then(|set| mesh.uv_sets.iter().position(|uvs| uvs.set == set)).unwrap_or(0) as u32,
-            None => NO_MAPS,
+        let set_of = |texcoord: &str| {
+            let bound = binding.and_then(|b| b.uv_sets.iter().find(|(semantic, _)| semantic == texcoord));
+            bound.and_then(|(_, set)| mesh.uv_sets.iter().position(|uvs| uvs.set == *set)).unwrap_or(0) as u32
         };
         Part {
             end: group.triangles.end as u32,
             material: material as u32,
             first: group.triangles.start as u32,
             emitter: u32::MAX,
-            uv_set,
+            uv_sets: document.materials.get(material).map_or([NO_MAPS; UV_SLOTS], |m| uv_slots(m, set_of)),
         }
     };
     debug_assert!(!mesh.groups.is_empty(), "mesh `{}` has no groups", geometry.id);
     mesh.groups.iter().map(part).collect()
 }
 
-/// The texture coordinates that a material's maps ask for (one set serves all maps of a material).
-fn first_texcoord(material: &document::Material) -> Option<&str> {
-    let base_map: Option<&Map> = match &material.base {
-        Base::Diffuse { reflectance, .. } => reflectance.map.as_ref(),
-        Base::Conductor { microfacets, .. } | Base::Dielectric { microfacets, .. } => {
-            microfacets.roughness.map.as_ref()
-        }
-        Base::Black => None,
-    };
-    let film_map = || {
-        material.films.iter().find_map(|film| match &film.thickness {
-            document::Thickness::Map { map, .. } => Some(map),
-            _ => None,
-        })
-    };
-    let emission_map = || material.emission.as_ref().and_then(|e| e.radiance.map.as_ref());
-    let normal_map = || material.normal_map.as_ref().map(|n| &n.map);
-    let map = base_map.or_else(film_map).or_else(emission_map).or_else(normal_map).or(material.opacity.map.as_ref());
-    map.map(|m| m.texcoord.as_str())
+/// For each slot of a material's maps the set of texture coordinates. No material has more maps than there are slots.
+fn uv_slots(material: &document::Material, set_of: impl Fn(&str) -> u32) -> [u32; UV_SLOTS] {
+    let mut slots = [NO_MAPS; UV_SLOTS];
+    slots.iter_mut().zip(material.texcoords()).for_each(|(slot, texcoord)| *slot = set_of(texcoord));
+    slots
 }
 
 /// Lowest and highest point along world up.

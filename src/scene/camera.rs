@@ -2,9 +2,11 @@
 
 use glam::{Affine3A, Mat4, Vec2, Vec3};
 
+use super::{Interior, Raster, Scene, Window};
 use crate::document::{Document, Item, Lens, Projection};
 use crate::embree::Ray;
 use crate::math::warp::square_to_disk;
+use crate::mode::Mode;
 
 /// Which rule places the camera.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -31,13 +33,16 @@ pub struct Camera {
     orthographic: bool,
     lens: Option<Lens>,
     pub size: [u32; 2],
+    /// The part of the picture that is rendered, where it is not all.
+    pub crop: Option<Window>,
+    /// Width of a pixel over its height.
+    pub pixel_aspect: f32,
+    /// What its rays begin in ([`Camera::settled`]).
+    pub interior: Interior,
 }
 
 /// Distance of the CS184 eye from the centre of the scene, in diagonals of its box.
 const CS184_DISTANCE: f32 = 1.5;
-/// Default picture when neither file nor command line says: the long side, pixels.
-const DEFAULT_LONG_SIDE: f32 = 960.0;
-
 /// A camera of the document with the place of its node.
 pub struct CameraPlace {
     /// Index into [`Document::cameras`].
@@ -69,18 +74,19 @@ pub enum Placed {
 }
 
 impl Camera {
-    /// `wanted` is a camera or node id; `size` overrides the file's and the default. `bounds` is the scene's box, world
-    /// space.
+    /// `wanted` is a camera or node id; `raster` overrides the file's size and the default. `bounds` is the scene's box,
+    /// world space.
     ///
     /// # Errors
-    /// `wanted` names no camera of the file: the message lists them.
+    /// `wanted` names no camera of the file: the message lists them. A crop that leaves the picture.
     pub fn new(
         document: &Document,
         wanted: Option<&str>,
-        size: [Option<u32>; 2],
+        raster: impl Into<Raster>,
         framing: Framing,
         bounds: (Vec3, Vec3),
     ) -> Result<(Self, Placed), String> {
+        let raster = raster.into();
         let mut places = cameras(document);
         if let Some(id) = wanted {
             let names: Vec<String> = places.iter().map(|p| document.cameras[p.camera].id.clone()).collect();
@@ -90,18 +96,18 @@ impl Camera {
             }
         }
         let Some(place) = places.first() else {
-            return Ok((Self::around(bounds, size), Placed::Box));
+            return Ok((Self::around(bounds, &raster).cropped(raster.crop)?, Placed::Box));
         };
         let source = &document.cameras[place.camera];
         let aspect = natural_aspect(&source.projection);
-        let size = picture_size(size, aspect);
+        let size = raster.pixels(aspect);
 
         // A camera node's scale must not change what it sees.
         let forward = place.to_world.transform_vector3(-Vec3::Z).try_normalize().unwrap_or(-Vec3::Z);
         let up_hint = place.to_world.transform_vector3(Vec3::Y);
         let eye = place.to_world.transform_point3(Vec3::ZERO);
         let scale = document.to_world.x_axis.truncate().length();
-        let (half, orthographic) = half_extent(&source.projection, size, scale);
+        let (half, orthographic) = half_extent(&source.projection, (size, raster.pixel_aspect), scale);
 
         let low_eye = eye.y <= bounds.0.y + 1e-4 * (bounds.1 - bounds.0).max_element();
         let course = match framing {
@@ -120,12 +126,34 @@ impl Camera {
         }
         camera.shift = source.shift;
         camera.lens = source.lens;
+        camera.pixel_aspect = raster.pixel_aspect;
+        let camera = camera.cropped(raster.crop)?;
         Ok((camera, if course { Placed::Cs184 } else { Placed::AsWritten }))
     }
 
-    /// The same view in a picture of another size and about the same aspect.
+    /// The same camera, knowing the bodies that it stands in.
+    pub fn settled<M: Mode>(&self, scene: &Scene<M>) -> Self {
+        Self { interior: scene.interior_at(self.origin), ..self.clone() }
+    }
+
+    /// The whole view in a picture of another size and about the same aspect.
     pub fn resized(&self, size: [u32; 2]) -> Self {
-        Self { size, ..self.clone() }
+        Self { size, crop: None, ..self.clone() }
+    }
+
+    fn cropped(self, crop: Option<Window>) -> Result<Self, String> {
+        match crop {
+            Some(window @ Window { x, y, width, height }) if !window.fits(self.size) => Err(format!(
+                "the crop of {width}x{height} pixels at {x},{y} leaves the picture of {}x{}",
+                self.size[0], self.size[1]
+            )),
+            _ => Ok(Self { crop, ..self }),
+        }
+    }
+
+    /// The pixels that are rendered.
+    pub fn window(&self) -> Window {
+        self.crop.unwrap_or(Window::whole(self.size))
     }
 
     /// The same camera somewhere else; `motion` neither stretches nor mirrors.
@@ -145,19 +173,33 @@ impl Camera {
         let right =
             forward.cross(up_hint).try_normalize().or_else(|| forward.cross(any_up).try_normalize()).unwrap_or(Vec3::X);
         let up = right.cross(forward);
-        Self { origin, right, up, forward, half, shift: Vec2::ZERO, orthographic, lens: None, size }
+        Self {
+            origin,
+            right,
+            up,
+            forward,
+            half,
+            shift: Vec2::ZERO,
+            orthographic,
+            lens: None,
+            size,
+            crop: None,
+            pixel_aspect: 1.0,
+            interior: Interior::AIR,
+        }
     }
 
     /// A three-quarter view that holds the whole box.
-    fn around(bounds: (Vec3, Vec3), size: [Option<u32>; 2]) -> Self {
-        let size = picture_size(size, 4.0 / 3.0);
+    fn around(bounds: (Vec3, Vec3), raster: &Raster) -> Self {
+        let size = raster.pixels(4.0 / 3.0);
         let projection = Projection::Perspective { xfov_deg: Some(35.0), yfov_deg: None, aspect: Some(4.0 / 3.0) };
-        let (half, _) = half_extent(&projection, size, 1.0);
+        let (half, _) = half_extent(&projection, (size, raster.pixel_aspect), 1.0);
         let (low, high) = bounds;
         let (centre, radius) = (0.5 * (low + high), 0.5 * (high - low).length().max(1e-6));
         let backward = Vec3::new(0.45, 0.35, 1.0).normalize();
         let sin = half.min_element() / (1.0 + half.min_element().powi(2)).sqrt();
-        Self::looking(centre + backward * (radius / sin), -backward, Vec3::Y, half, false, size)
+        let eye = centre + backward * (radius / sin);
+        Self { pixel_aspect: raster.pixel_aspect, ..Self::looking(eye, -backward, Vec3::Y, half, false, size) }
     }
 
     /// Distance of a point from the eye along the viewing direction, metres.
@@ -215,8 +257,8 @@ fn natural_aspect(projection: &Projection) -> f32 {
 }
 
 /// The picture's half extents: the file's frame, widened in one direction to the picture's aspect, never cropped.
-fn half_extent(projection: &Projection, size: [u32; 2], scale: f32) -> (Vec2, bool) {
-    let picture = size[0] as f32 / size[1] as f32;
+fn half_extent(projection: &Projection, (size, pixel_aspect): ([u32; 2], f32), scale: f32) -> (Vec2, bool) {
+    let picture = size[0] as f32 * pixel_aspect / size[1] as f32;
     let (x, y, aspect, orthographic) = match *projection {
         Projection::Perspective { xfov_deg, yfov_deg, aspect } => {
             (xfov_deg.map(tan_half), yfov_deg.map(tan_half), aspect, false)
@@ -239,17 +281,6 @@ fn half_extent(projection: &Projection, size: [u32; 2], scale: f32) -> (Vec2, bo
         Vec2::new(frame.x, frame.x / picture)
     };
     (half, orthographic)
-}
-
-fn picture_size(size: [Option<u32>; 2], aspect: f32) -> [u32; 2] {
-    let pixels = |length: f32| (length.round() as u32).max(1);
-    match size {
-        [Some(width), Some(height)] => [width, height],
-        [Some(width), None] => [width, pixels(width as f32 / aspect)],
-        [None, Some(height)] => [pixels(height as f32 * aspect), height],
-        [None, None] if aspect >= 1.0 => [pixels(DEFAULT_LONG_SIDE), pixels(DEFAULT_LONG_SIDE / aspect)],
-        [None, None] => [pixels(DEFAULT_LONG_SIDE * aspect), pixels(DEFAULT_LONG_SIDE)],
-    }
 }
 
 fn tan_half(degrees: f32) -> f32 {

@@ -8,7 +8,7 @@ use super::BuildError;
 use super::assembly::Assembly;
 use super::environment::Sky;
 use super::light::{self, Emitter, Sphere, Spot, Triangle};
-use super::surface::Part;
+use super::surface::{NO_MAPS, Part, UV_SLOTS};
 use crate::color::Emission;
 use crate::document::{
     self, AreaShape, Base, Document, Falloff, Item, Light, LightKind, Mesh, Presence, SurfaceEmission,
@@ -136,6 +136,10 @@ fn place_area(
         ..document::Material::default()
     };
     let material = assembly.add_material(description);
+    if let Some(glow) = &mut assembly.glows[material as usize] {
+        // A ghost stands in nothing's way, but all of it shines.
+        glow.opacity = document::Scalar::constant(1.0);
+    }
     let to_world = placed.to_world;
     if shape == AreaShape::Sphere {
         let radius = 0.5 * to_world.matrix3.x_axis.length();
@@ -147,7 +151,7 @@ fn place_area(
     }
     let mesh = if shape == AreaShape::Disk { disk() } else { rectangle() };
     let count = mesh.triangles.len() as u32;
-    let mut parts = vec![Part { end: count, material, first: 0, emitter: u32::MAX, uv_set: 0 }];
+    let mut parts = vec![Part { end: count, material, first: 0, emitter: u32::MAX, uv_sets: [NO_MAPS; UV_SLOTS] }];
     if presence != Presence::Hidden {
         return assembly.place_mesh(&mesh, to_world, parts);
     }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::surface::Surface;
-use super::texture::{Texture, lookup_rgb, lookup_scalar};
+use super::texture::{Texture, lookup_rgb, scalar};
 use super::{BuildError, FilmOptions};
 use crate::bsdf::{
     Bsdf, Coat, CoatedDiffuse, Conductor, Dielectric, Diffuse, Interface, Microfacets, Missing, Multiple, is_straight,
@@ -15,6 +15,9 @@ use crate::color::{Index, IndexCurve, Sensor};
 use crate::document::{self, Base, Distribution, NormalMap, Scalar, Thickness, Tint};
 use crate::film::{Layer, Range, Side, Stack, Verdict};
 use crate::mode::{FilmPlan, Mode};
+
+/// What surrounds bodies that are no media.
+pub(super) const AIR: Index = Index::Constant { n: 1.0, k: 0.0 };
 
 pub struct Material<M: Mode> {
     body: Body<M>,
@@ -62,7 +65,13 @@ enum Body<M: Mode> {
 }
 
 impl<M: Mode> Material<M> {
-    pub fn new(source: &document::Material, sensor: &Sensor, options: &FilmOptions) -> Result<Self, BuildError> {
+    /// `around` is what a transparent body lies in.
+    pub fn new(
+        source: &document::Material,
+        around: &Index,
+        sensor: &Sensor,
+        options: &FilmOptions,
+    ) -> Result<Self, BuildError> {
         let range = source.films.iter().map(|f| &f.thickness).find(|t| t.varies()).map(Thickness::range);
         let plan = FilmPlan {
             range: range.unwrap_or(Range { min_nm: 0.0, max_nm: 0.0 }),
@@ -72,7 +81,7 @@ impl<M: Mode> Material<M> {
         };
         let mut verdict = None;
         let mut compile = |base: &Index| -> Result<(M::Film, Stack), BuildError> {
-            let stack = stack_of(source, base)?;
+            let stack = stack_of(source, around, base)?;
             let (film, chosen) = M::film(&stack, &plan);
             verdict = chosen;
             Ok((film, stack))
@@ -94,14 +103,13 @@ impl<M: Mode> Material<M> {
                 roughness: microfacets.roughness.clone(),
                 missing: Missing::new(microfacets.distribution, constant_alpha(microfacets)),
             },
-            Base::Dielectric { index, microfacets, absorption_per_m, fresnel } => {
-                let curve = curve_of(source, index)?;
-                straight = curve.as_constant().is_some_and(|constant| is_straight(constant.re as f32));
+            Base::Dielectric { index, microfacets, absorption_per_m, fresnel, .. } => {
+                let outside = curve_of(source, around)?;
+                let relative = curve_of(source, index)?.relative_to(&outside);
+                straight = relative.as_constant().is_some_and(|constant| is_straight(constant.re as f32));
                 // What bends nothing reflects nothing by itself, not even all light along its inside.
-                let air = Index::Constant { n: 1.0, k: 0.0 };
-                let index = if straight { &air } else { index };
-                let curve = curve_of(source, index)?;
-                let eta = M::eta(&curve);
+                let index = if straight { around } else { index };
+                let eta = M::eta(&curve_of(source, index)?.relative_to(&outside));
                 let absorption_per_m = *absorption_per_m;
                 if *fresnel || !source.films.is_empty() {
                     let (film, stack) = compile(index)?;
@@ -120,8 +128,8 @@ impl<M: Mode> Material<M> {
                         absorption_per_m,
                     }
                 } else {
-                    // No interface at all: air against air transmits everything.
-                    let (film, _) = compile(&air)?;
+                    // No interface at all: a medium against itself transmits everything.
+                    let (film, _) = compile(around)?;
                     Body::Refractor { film, eta, absorption_per_m }
                 }
             }
@@ -142,7 +150,7 @@ impl<M: Mode> Material<M> {
     #[inline]
     pub fn bsdf<'s>(&'s self, surface: &Surface, textures: &[Arc<Texture>], waves: &M::Waves) -> Bsdf<'s, M> {
         let rgb = |texture: &document::Texture| match &texture.map {
-            Some(map) => texture.value * lookup_rgb(textures, map, surface.uv),
+            Some(map) => texture.value * lookup_rgb(textures, map, &surface.uv),
             None => texture.value,
         };
         let microfacets = |distribution: &Distribution, roughness: &Scalar| Microfacets {
@@ -198,11 +206,14 @@ impl<M: Mode> Material<M> {
         scalar(&self.opacity, surface, textures).clamp(0.0, 1.0)
     }
 
-    /// Absorption of what lies inside, linear RGB per metre; zero for opaque bodies.
-    pub fn absorption_per_m(&self) -> Vec3 {
+    /// Absorption of what lies inside, linear RGB per metre; `None` for opaque bodies.
+    #[inline]
+    pub fn absorption_per_m(&self) -> Option<Vec3> {
         match self.body {
-            Body::Dielectric { absorption_per_m, .. } | Body::Refractor { absorption_per_m, .. } => absorption_per_m,
-            _ => Vec3::ZERO,
+            Body::Dielectric { absorption_per_m, .. } | Body::Refractor { absorption_per_m, .. } => {
+                Some(absorption_per_m)
+            }
+            _ => None,
         }
     }
 
@@ -225,7 +236,7 @@ impl<M: Mode> Material<M> {
 fn bent(normal_map: &NormalMap, surface: &Surface, textures: &[Arc<Texture>]) -> Vec3 {
     let normal = surface.normal;
     let Some(tangent) = (surface.dpdu - normal * normal.dot(surface.dpdu)).try_normalize() else { return normal };
-    let texel = lookup_rgb(textures, &normal_map.map, surface.uv) * 2.0 - 1.0;
+    let texel = lookup_rgb(textures, &normal_map.map, &surface.uv) * 2.0 - 1.0;
     let bent = tangent * (texel.x * normal_map.scale)
         + normal.cross(tangent) * (texel.y * normal_map.scale)
         + normal * texel.z.max(1e-3);
@@ -237,20 +248,12 @@ fn constant_alpha(microfacets: &document::Microfacets) -> Option<f32> {
     microfacets.roughness.map.is_none().then_some(microfacets.roughness.value.clamp(0.0, 1.0))
 }
 
-#[inline]
-fn scalar(value: &Scalar, surface: &Surface, textures: &[Arc<Texture>]) -> f32 {
-    match &value.map {
-        Some(map) => lookup_scalar(textures, map, surface.uv),
-        None => value.value,
-    }
-}
-
 fn curve_of(material: &document::Material, index: &Index) -> Result<IndexCurve, BuildError> {
     index.curve().map_err(|source| BuildError::Index { material: material.id.clone(), source })
 }
 
-/// The optical stack of a material over this base.
-fn stack_of(material: &document::Material, base: &Index) -> Result<Stack, BuildError> {
+/// The optical stack of a material between what lies around it and this base.
+fn stack_of(material: &document::Material, around: &Index, base: &Index) -> Result<Stack, BuildError> {
     let mut layers = Vec::with_capacity(material.films.len());
     for film in &material.films {
         let thickness_nm = match film.thickness {
@@ -259,9 +262,8 @@ fn stack_of(material: &document::Material, base: &Index) -> Result<Stack, BuildE
         };
         layers.push(Layer { index: curve_of(material, &film.index)?, thickness_nm });
     }
-    let air = Index::Constant { n: 1.0, k: 0.0 };
     Ok(Stack {
-        outside: curve_of(material, &air)?,
+        outside: curve_of(material, around)?,
         varying: material.films.iter().position(|f| f.thickness.varies()),
         weight: material.films.iter().map(|f| f64::from(f.weight)).product(),
         layers,

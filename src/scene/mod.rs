@@ -10,6 +10,8 @@ mod groups;
 mod light;
 mod lighting;
 mod material;
+mod nesting;
+mod raster;
 mod stage;
 mod surface;
 mod texture;
@@ -25,9 +27,12 @@ pub use groups::LightGroups;
 use light::Source;
 pub use light::{LightAt, LightSample, Lights};
 pub use material::Material;
+pub use nesting::Interior;
+use nesting::Nesting;
+pub use raster::{Raster, Window};
 pub use stage::{Pose, Stage};
 pub use surface::{Place, Surface};
-use texture::{Texture, lookup_rgb};
+use texture::{Texture, lookup_rgb, scalar};
 use thiserror::Error;
 
 use crate::color::{Emission, IndexError};
@@ -53,6 +58,8 @@ pub struct Scene<M: Mode> {
     pub stage: Arc<Stage>,
     materials: Vec<Material<M>>,
     spectra: Vec<M::Spectrum>,
+    /// `None` where no body is a medium.
+    nesting: Option<Nesting<M>>,
     lets_through: bool,
     /// Seconds that compiling the materials took.
     pub materials_s: f64,
@@ -65,6 +72,8 @@ pub enum BuildError {
     Image { uri: String, reason: String },
     #[error("material `{material}`: {source}")]
     Index { material: String, source: IndexError },
+    #[error("{count} materials have a `priority`; at most {} can", nesting::MOST_MEDIA)]
+    Media { count: usize },
     #[error(transparent)]
     Embree(#[from] EmbreeError),
     /// A scene can be posed only by its one owner.
@@ -76,16 +85,17 @@ impl<M: Mode> Scene<M> {
     /// Compiles the materials of a stage.
     ///
     /// # Errors
-    /// An unknown refractive index.
+    /// An unknown refractive index, or too many media.
     pub fn new(stage: Arc<Stage>, options: &FilmOptions) -> Result<Self, BuildError> {
         let start = Instant::now();
-        let compile = |material| Material::<M>::new(material, &stage.sensor, options);
+        let compile = |material| Material::<M>::new(material, &material::AIR, &stage.sensor, options);
         let materials = stage.materials.iter().map(compile).collect::<Result<Vec<_>, _>>()?;
+        let nesting = Nesting::new(&stage, options)?;
         let compile = |(emission, group): &(Emission, usize)| M::group_spectrum(emission, *group, &stage.sensor);
         let spectra = stage.spectra.iter().map(compile).collect();
-        let lets_through = materials.iter().any(Material::lets_through);
+        let lets_through = nesting.is_some() || materials.iter().any(Material::lets_through);
         let materials_s = start.elapsed().as_secs_f64();
-        Ok(Self { stage, materials, spectra, lets_through, materials_s })
+        Ok(Self { stage, materials, spectra, nesting, lets_through, materials_s })
     }
 
     /// As [`Stage::pose`].
@@ -107,9 +117,13 @@ impl<M: Mode> Scene<M> {
         options: &FilmOptions,
     ) -> Result<(), BuildError> {
         for &index in materials {
-            self.materials[index] = Material::new(&document.materials[index], &self.stage.sensor, options)?;
+            self.materials[index] =
+                Material::new(&document.materials[index], &material::AIR, &self.stage.sensor, options)?;
         }
-        self.lets_through = self.materials.iter().any(Material::lets_through);
+        if self.nesting.as_ref().is_some_and(|nesting| materials.iter().any(|&index| nesting.has(index))) {
+            self.nesting = Nesting::new(&self.stage, options)?;
+        }
+        self.lets_through = self.nesting.is_some() || self.materials.iter().any(Material::lets_through);
         Ok(())
     }
 
@@ -157,6 +171,33 @@ impl<M: Mode> Scene<M> {
         &self.materials[surface.material as usize]
     }
 
+    /// The material that a ray travelling in `interior` finds at the first surface that it meets, and what lies beyond. Of
+    /// several surfaces in the same place, `surface` becomes the one that counts. `None` inside a body that takes the
+    /// surface's place: light goes on as if nothing were there.
+    #[inline]
+    pub fn meet<'s>(
+        &'s self,
+        ray: &Ray,
+        surface: &mut Surface<'s>,
+        interior: &Interior,
+    ) -> (Option<&'s Material<M>>, Interior) {
+        if let Some(nesting) = &self.nesting {
+            return nesting.meet(self, ray, surface, interior);
+        }
+        let material = self.material(surface);
+        let beyond = match material.absorption_per_m() {
+            None => *interior,
+            Some(inside) if ray.dir.dot(surface.ng) < 0.0 => Interior::of(inside),
+            Some(_) => Interior::AIR,
+        };
+        (Some(material), beyond)
+    }
+
+    /// What surrounds a point.
+    pub fn interior_at(&self, point: Vec3) -> Interior {
+        self.nesting.as_ref().map_or(Interior::AIR, |nesting| nesting.around(&self.stage, point))
+    }
+
     #[inline]
     pub fn textures(&self) -> &[Arc<Texture>] {
         &self.stage.textures
@@ -166,10 +207,12 @@ impl<M: Mode> Scene<M> {
     pub fn emitted(&self, surface: &Surface, cos: f32, waves: &M::Waves) -> M::Light {
         match &self.stage.glows[surface.material as usize] {
             Some(glow) if cos > 0.0 || glow.two_sided => {
+                let textures = &self.stage.textures;
                 let tint = match &glow.radiance.map {
-                    Some(map) => lookup_rgb(&self.stage.textures, map, surface.uv),
+                    Some(map) => lookup_rgb(textures, map, &surface.uv),
                     None => Vec3::ONE,
                 };
+                let tint = tint * scalar(&glow.opacity, surface, textures).clamp(0.0, 1.0);
                 self.light(&Source { rgb: glow.radiance.value * tint, spectrum: glow.spectrum }, waves)
             }
             _ => M::Light::ZERO,
@@ -188,7 +231,7 @@ impl<M: Mode> Scene<M> {
             LightAt::Radiance(ref source) => self.light(source, waves),
             LightAt::Surface { place, material, prim, barycentric, cos } => {
                 match &self.stage.glows[material as usize] {
-                    Some(glow) if glow.radiance.map.is_some() => {
+                    Some(glow) if !glow.is_even() => {
                         let place = &self.stage.places[place as usize];
                         self.emitted(&Surface::at(&self.stage.accel, place, prim, barycentric), cos, waves)
                     }
@@ -204,17 +247,34 @@ impl<M: Mode> Scene<M> {
         self.stage.lights.escape(toward, |source, pdf| add(self.light(&source, waves), pdf));
     }
 
-    /// Share of light that gets from the end of the shadow ray to its origin, and the probability that a scattered ray
-    /// would have passed everything in between. Shadow rays count in `rays`.
-    pub fn transmittance(&self, ray: &Ray, waves: &M::Waves, rays: &mut u64) -> (M::Light, f32) {
+    /// What absorption leaves over of light on its way through a medium (Beer-Lambert).
+    #[inline]
+    pub fn left_over(interior: &Interior, distance_m: f32, waves: &M::Waves) -> M::Light {
+        M::reflectance((-interior.absorption_per_m * distance_m).exp(), waves)
+    }
+
+    /// Share of light that gets from the end of the shadow ray to its origin, which lies in `interior`, and the probability
+    /// that a scattered ray would have passed everything in between. Shadow rays count in `rays`.
+    pub fn transmittance(&self, ray: &Ray, interior: &Interior, waves: &M::Waves, rays: &mut u64) -> (M::Light, f32) {
         *rays += 1;
         let (mut light, mut probability) = (M::Light::ONE, 1.0);
-        let mut ray = *ray;
+        let (mut ray, mut interior) = (*ray, *interior);
         for _ in 0..MAX_THROUGH {
-            let Some(surface) = self.intersect(&ray) else { return (light, probability) };
-            let Some((share, chance)) = self.through(&surface, -ray.dir, waves) else { break };
-            light *= share;
-            probability *= chance;
+            let surface = self.intersect(&ray);
+            if interior.absorption_per_m != Vec3::ZERO {
+                let distance_m = surface.map_or(ray.tfar, |surface| surface.position.distance(ray.origin));
+                if distance_m.is_finite() {
+                    light *= Self::left_over(&interior, distance_m, waves);
+                }
+            }
+            let Some(mut surface) = surface else { return (light, probability) };
+            let (material, beyond) = self.meet(&ray, &mut surface, &interior);
+            if let Some(material) = material {
+                let Some((share, chance)) = self.through(material, &surface, -ray.dir, waves) else { break };
+                light *= share;
+                probability *= chance;
+            }
+            interior = beyond;
             // The end point stays where it is while the origin moves on.
             let origin = surface.leave(ray.dir);
             let left = if ray.tfar.is_finite() { (ray.at(ray.tfar) - origin).dot(ray.dir) } else { f32::INFINITY };
@@ -228,8 +288,13 @@ impl<M: Mode> Scene<M> {
     }
 
     /// Light that passes a surface unbent, and the chance that the path loop lets it: `None` where it never does.
-    fn through(&self, surface: &Surface, wo: Vec3, waves: &M::Waves) -> Option<(M::Light, f32)> {
-        let material = self.material(surface);
+    fn through(
+        &self,
+        material: &Material<M>,
+        surface: &Surface,
+        wo: Vec3,
+        waves: &M::Waves,
+    ) -> Option<(M::Light, f32)> {
         if !material.lets_through() {
             return None;
         }

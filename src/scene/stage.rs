@@ -11,7 +11,8 @@ use super::environment::Sky;
 use super::groups::LightGroups;
 use super::light::{Emitter, Lights};
 use super::lighting;
-use super::surface::{Glow, Place};
+use super::nesting::Together;
+use super::surface::{Glow, Place, Surface};
 use super::texture::Texture;
 use crate::color::{Emission, Sensor};
 use crate::document::{self, Document};
@@ -64,6 +65,34 @@ impl Stage {
     #[inline]
     pub fn occluded_batch(&self, rays: &[Ray; BATCH], active: u8) -> u8 {
         self.accel.occluded_batch(rays, active)
+    }
+
+    /// Calls `found` for every surface along a ray, in no order.
+    pub(super) fn each_surface<'s>(&'s self, ray: &Ray, mut found: impl FnMut(Surface<'s>)) {
+        self.accel.every_hit(ray, |hit| found(Surface::new(&self.accel, &self.places[hit.place() as usize], &hit)));
+    }
+
+    /// The first surface along a ray and those that lie in the same place, closer than `tolerance` times the rounding of a
+    /// hit; a ray that leaves any of them begins beyond all.
+    pub(super) fn together<'s>(&'s self, ray: &Ray, first: Surface<'s>, tolerance: f32) -> Together<'s> {
+        let mut here = Together::new();
+        here.push(first);
+        // Errors are measured across the surface; a ray along it takes longer to get through them.
+        let rounding = first.error_m / ray.dir.dot(first.ng).abs().max(0.01);
+        let origin = first.position - ray.dir * rounding;
+        let probe = Ray { origin, tnear: 0.0, tfar: (1.0 + tolerance) * rounding, ..*ray };
+        self.each_surface(&probe, |surface| {
+            let side = |surface: &Surface| ray.dir.dot(surface.ng) < 0.0;
+            let known = |other: &Surface| std::ptr::eq(surface.place, other.place) && side(&surface) == side(other);
+            // More than the list holds are more than any scene has use for.
+            if !here.is_full() && !here.iter().any(known) {
+                here.push(surface);
+            }
+        });
+        if here.len() > 1 {
+            here.iter_mut().for_each(|surface| surface.error_m *= 2.0 * tolerance);
+        }
+        here
     }
 
     /// `threads` share the building; 0 = all.

@@ -43,12 +43,19 @@ pub struct Glow {
     /// Index into the scene's spectra.
     pub spectrum: u32,
     pub two_sided: bool,
+    /// Share of the surface that is there: holes do not shine.
+    pub opacity: document::Scalar,
 }
 
 impl Glow {
     /// Rough mean radiance, for choosing between lights.
     pub fn strength(&self) -> f32 {
         self.radiance.value.element_sum() / 3.0
+    }
+
+    /// True where all of the surface shines alike.
+    pub fn is_even(&self) -> bool {
+        self.radiance.map.is_none() && self.opacity.map.is_none() && self.opacity.value >= 1.0
     }
 }
 
@@ -60,11 +67,13 @@ pub struct Part {
     /// Emitter number of the part's first triangle (`first`), the others follow; `u32::MAX` when it does not shine.
     pub first: u32,
     pub emitter: u32,
-    /// Index into [`Shading::uv_sets`] for the material's maps; [`NO_MAPS`] when it has none.
-    pub uv_set: u32,
+    /// Indices into [`Shading::uv_sets`] by the slots of the material's maps; [`NO_MAPS`] where a slot is empty.
+    pub uv_sets: [u32; UV_SLOTS],
 }
 
-/// The `uv_set` of a part that needs no texture coordinates.
+/// Texture coordinates that the maps of one material can have between them.
+pub const UV_SLOTS: usize = 3;
+/// The `uv_set` of a slot that no map uses.
 pub const NO_MAPS: u32 = u32::MAX;
 
 /// Vertex data that only shading reads.
@@ -83,16 +92,16 @@ pub struct Surface<'s> {
     pub ng: Vec3,
     /// Shading normal, unit length: the geometric one, or interpolated between vertices.
     pub normal: Vec3,
-    /// Zero where the material has no maps.
-    pub uv: Vec2,
-    /// dP/du, for tangent-space normals; zero where texture coordinates do not define it.
+    /// By the slots of the material's maps; zero where it has none.
+    pub uv: [Vec2; UV_SLOTS],
+    /// dP/du of the first slot, for tangent-space normals; zero where texture coordinates do not define it.
     pub dpdu: Vec3,
     pub place: &'s Place,
     pub material: u32,
     /// `u32::MAX` when the surface does not shine.
     pub emitter: u32,
     /// Bound on the rounding error of `position`, per axis.
-    error_m: f32,
+    pub(super) error_m: f32,
 }
 
 /// Rounding of an interpolated position against the largest coordinate involved: about eight units in the last place.
@@ -138,13 +147,14 @@ impl<'s> Surface<'s> {
             // Normals that cancel out say nothing.
             normal = (place.normal_to_world * blend).try_normalize().unwrap_or(ng);
         }
-        let (mut uv, mut dpdu) = (Vec2::ZERO, Vec3::ZERO);
-        if let Some(uvs) = shading.uv_sets.get(part.uv_set as usize) {
+        let (mut uv, mut dpdu) = ([Vec2::ZERO; UV_SLOTS], Vec3::ZERO);
+        for (slot, &set) in part.uv_sets.iter().enumerate() {
+            let Some(uvs) = shading.uv_sets.get(set as usize) else { break };
             let (t0, t1, t2) = (uvs[i0], uvs[i1], uvs[i2]);
-            uv = t0 * w0 + t1 * w1 + t2 * w2;
+            uv[slot] = t0 * w0 + t1 * w1 + t2 * w2;
             let (d1, d2) = (t1 - t0, t2 - t0);
             let determinant = d1.perp_dot(d2);
-            if determinant != 0.0 {
+            if slot == 0 && determinant != 0.0 {
                 let object = ((p1 - p0) * d2.y - (p2 - p0) * d1.y) / determinant;
                 dpdu = place.to_world.transform_vector3(object);
             }
@@ -168,14 +178,14 @@ impl<'s> Surface<'s> {
         let position = place.to_world.transform_point3(center + hit.ng);
         let ng = (place.normal_to_world * hit.ng).normalize();
         let mut uv = Vec2::ZERO;
-        if part.uv_set != NO_MAPS {
+        if part.uv_sets[0] != NO_MAPS {
             uv = sphere_uv(place, ng);
         }
         Self {
             position,
             ng,
             normal: ng,
-            uv,
+            uv: [uv; UV_SLOTS],
             dpdu: Vec3::new(-ng.z, 0.0, ng.x),
             place,
             material: part.material,
@@ -238,7 +248,7 @@ impl Place {
         match &self.body {
             Body::Sphere { .. } => sphere_uv(self, (self.normal_to_world * hit.ng).normalize()),
             Body::Mesh(shading) => {
-                let set = match self.part(hit.prim).uv_set {
+                let set = match self.part(hit.prim).uv_sets[0] {
                     NO_MAPS => 0,
                     set => set as usize,
                 };

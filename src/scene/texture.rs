@@ -6,8 +6,9 @@ use glam::{Vec2, Vec3, Vec4};
 use image::DynamicImage;
 
 use super::BuildError;
+use super::surface::{Surface, UV_SLOTS};
 use crate::color::view;
-use crate::document::{Channel4, Encoding, Image, ImageSource, Map, Wrap};
+use crate::document::{Channel4, Encoding, Image, ImageSource, Map, Scalar, Wrap};
 
 /// A decoded image. Row 0 is the top.
 pub struct Texture {
@@ -17,8 +18,9 @@ pub struct Texture {
 }
 
 enum Texels {
-    /// As stored: sRGB or linear is decided by each [`Map`] that reads it.
+    /// These two as stored: sRGB or linear is decided by each [`Map`] that reads them.
     Byte(Vec<[u8; 4]>),
+    Word(Vec<[u16; 4]>),
     Float(Vec<[f32; 4]>),
 }
 
@@ -40,7 +42,7 @@ impl Texture {
         };
         let is_exr = bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]);
         if is_exr {
-            return Self::from_exr(&bytes).map_err(|e| broken(e.to_string()));
+            return Self::from_exr(&bytes).map_err(broken);
         }
         let decoded = image::ImageReader::new(std::io::Cursor::new(&bytes))
             .with_guessed_format()
@@ -61,32 +63,51 @@ impl Texture {
             DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_) => {
                 Texels::Float(image.to_rgba32f().pixels().map(|p| p.0).collect())
             }
-            // 16-bit values keep their precision; they are as encoded as 8-bit ones, so mark nothing here.
+            DynamicImage::ImageLuma16(_)
+            | DynamicImage::ImageLumaA16(_)
+            | DynamicImage::ImageRgb16(_)
+            | DynamicImage::ImageRgba16(_) => Texels::Word(image.to_rgba16().pixels().map(|p| p.0).collect()),
             _ => Texels::Byte(image.to_rgba8().pixels().map(|p| p.0).collect()),
         };
         Self { width, height, texels }
     }
 
-    fn from_exr(bytes: &[u8]) -> Result<Self, exr::error::Error> {
-        use exr::prelude::{ReadChannels, ReadLayers};
+    /// The first layer with red, green and blue, or of one channel alone (`Y`, or any): a thickness is often written so.
+    fn from_exr(bytes: &[u8]) -> Result<Self, String> {
+        use exr::prelude::{FlatSamples, ReadChannels, ReadLayers};
         let picture = exr::prelude::read()
             .no_deep_data()
             .largest_resolution_level()
-            .rgba_channels(
-                |size, _| (size.width(), vec![[0.0f32; 4]; size.area()]),
-                |(width, texels), position, (r, g, b, a): (f32, f32, f32, f32)| {
-                    texels[position.y() * *width + position.x()] = [r, g, b, a];
-                },
-            )
-            .first_valid_layer()
+            .all_channels()
+            .all_layers()
             .all_attributes()
-            .from_buffered(std::io::Cursor::new(bytes))?;
-        let size = picture.layer_data.size;
-        Ok(Self {
-            width: size.width(),
-            height: size.height(),
-            texels: Texels::Float(picture.layer_data.channel_data.pixels.1),
-        })
+            .from_buffered(std::io::Cursor::new(bytes))
+            .map_err(|error| error.to_string())?;
+        let colours = ["R", "G", "B"];
+        for layer in &picture.layer_data {
+            let channels = &layer.channel_data.list;
+            let named = |name: &str| channels.iter().find(|channel| channel.name.eq(name)).map(|c| &c.sample_data);
+            let (columns, rows) = (layer.size.width(), layer.size.height());
+            let rgb: Option<Vec<&FlatSamples>> = colours.iter().map(|name| named(name)).collect();
+            let grey = named("Y").or_else(|| match channels.as_slice() {
+                [only] => Some(&only.sample_data),
+                _ => None,
+            });
+            let Some(rgb) = rgb.or_else(|| grey.map(|grey| vec![grey; 3])) else { continue };
+            // Channels of halved resolution are refused by the reader.
+            let value = |samples: &FlatSamples, i: usize| samples.value_by_flat_index(i).to_f32();
+            let alpha = named("A");
+            let texel = |i: usize| {
+                let [r, g, b] = [0, 1, 2].map(|channel: usize| value(rgb[channel], i));
+                [r, g, b, alpha.map_or(1.0, |alpha| value(alpha, i))]
+            };
+            return Ok(Self {
+                width: columns,
+                height: rows,
+                texels: Texels::Float((0..columns * rows).map(texel).collect()),
+            });
+        }
+        Err("no layer has channels R, G and B, or one channel alone".to_owned())
     }
 
     /// One glaring texel in place of a missing image.
@@ -114,6 +135,13 @@ impl Texture {
                     Encoding::Linear => f32::from(code) / 255.0,
                 };
                 Vec4::new(decode(r), decode(g), decode(b), f32::from(a) / 255.0)
+            }
+            Texels::Word(texels) => {
+                let linear = Vec4::from_array(texels[index].map(|code| f32::from(code) / 65535.0));
+                match encoding {
+                    Encoding::Srgb => Vec3::from(linear.truncate().to_array().map(view::srgb_decode)).extend(linear.w),
+                    Encoding::Linear => linear,
+                }
             }
         }
     }
@@ -154,19 +182,29 @@ fn wrapped(position: f32, count: usize, wrap: Wrap) -> Option<usize> {
     Some((inside as usize).min(count - 1))
 }
 
-/// RGB at a surface point.
-pub fn lookup_rgb(textures: &[Arc<Texture>], map: &Map, uv: Vec2) -> Vec3 {
-    textures[map.image].lookup(uv, map.wrap, map.encoding).truncate()
+/// RGB at a surface point with these texture coordinates.
+pub fn lookup_rgb(textures: &[Arc<Texture>], map: &Map, uv: &[Vec2; UV_SLOTS]) -> Vec3 {
+    textures[map.image].lookup(uv[map.slot], map.wrap, map.encoding).truncate()
 }
 
-/// One channel at a surface point.
-pub fn lookup_scalar(textures: &[Arc<Texture>], map: &Map, uv: Vec2) -> f32 {
-    let texel = textures[map.image].lookup(uv, map.wrap, map.encoding);
+/// One channel at a surface point with these texture coordinates.
+pub fn lookup_scalar(textures: &[Arc<Texture>], map: &Map, uv: &[Vec2; UV_SLOTS]) -> f32 {
+    let texel = textures[map.image].lookup(uv[map.slot], map.wrap, map.encoding);
     match map.channel {
         Channel4::R => texel.x,
         Channel4::G => texel.y,
         Channel4::B => texel.z,
         Channel4::A => texel.w,
+        Channel4::Luminance => texel.truncate().dot(Vec3::new(0.2126, 0.7152, 0.0722)),
+    }
+}
+
+/// A number that may vary over a surface.
+#[inline]
+pub fn scalar(value: &Scalar, surface: &Surface, textures: &[Arc<Texture>]) -> f32 {
+    match &value.map {
+        Some(map) => value.range[0] + (value.range[1] - value.range[0]) * lookup_scalar(textures, map, &surface.uv),
+        None => value.value,
     }
 }
 

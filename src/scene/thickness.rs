@@ -30,7 +30,7 @@ impl Thickness {
                 top_nm + (bottom_nm - top_nm) * fallen.powf(*exponent)
             }
             Self::Map { min_nm, max_nm, map } => {
-                min_nm + (max_nm - min_nm) * lookup_scalar(textures, map, surface.uv).clamp(0.0, 1.0)
+                min_nm + (max_nm - min_nm) * lookup_scalar(textures, map, &surface.uv).clamp(0.0, 1.0)
             }
         };
         // `max` also turns NaN into 0.

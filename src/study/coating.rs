@@ -1,7 +1,7 @@
 //! The stack under study.
 
 use crate::color::{Index, IndexCurve};
-use crate::document::{Base, Document, Material};
+use crate::document::{Base, Document, Material, Preset};
 use crate::film::{Layer, Range, Stack};
 
 use super::error::StudyError;
@@ -51,6 +51,19 @@ impl Coating {
             let nearest = known.iter().min_by_key(|known| distance(known)).filter(|known| distance(known) <= 3);
             return Err(StudyError::NoMaterial { wanted: id.to_owned(), nearest: nearest.cloned(), known });
         };
+        Self::of(material)
+    }
+
+    /// A preset at a value within its knob's range, seen from the air.
+    ///
+    /// # Errors
+    /// Never for the presets that the program carries.
+    pub fn of_preset(preset: &Preset, value: f32) -> Result<Self, StudyError> {
+        let id = format!("{} {} {value}", preset.name, preset.knob.name);
+        Self::of(&Material { id, base: preset.base(), films: preset.films(value), ..Material::default() })
+    }
+
+    fn of(material: &Material) -> Result<Self, StudyError> {
         let curve =
             |index: &Index| index.curve().map_err(|source| StudyError::Material { id: material.id.clone(), source });
         let base = match &material.base {

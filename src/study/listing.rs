@@ -1,8 +1,20 @@
-//! The named refractive indices, for people to read.
+//! The named refractive indices and surfaces, for people to read.
 
 use std::fmt::Write;
 
 use crate::color::{Index, IndexError, Kind, kind_of_index, known_index_names, source_of_index};
+use crate::document::{Knob, Preset};
+
+/// Every preset with its number and its source.
+pub fn list_presets() -> String {
+    let mut text = "Presets, each with the number that it follows, its range and default; source\n".to_owned();
+    for Preset { name, about, source, knob, .. } in Preset::all() {
+        let Knob { name: number, least, most, default } = knob;
+        // Writing to a String cannot fail.
+        let _ = writeln!(text, "  {name:<18} {number} {least}..{most}, {default}: {about}\n{:21}{source}", "");
+    }
+    text
+}
 
 /// Every name with n and k at 550 nm and its source, by kind.
 ///

@@ -99,14 +99,14 @@ fn fill(canvas: &mut Canvas, coating: &Coating, sensor: &Sensor, plan: &SwatchPl
 }
 
 /// The integral of R over 380..780 nm, ready for many angles and thicknesses.
-struct Integral {
+pub(super) struct Integral {
     film: SpectralFilm,
     /// Wavelengths and their weights; what is left of the last lanes has none.
     blocks: Vec<([f32; LANES], [[f32; 3]; LANES])>,
 }
 
 impl Integral {
-    fn new(coating: &Coating, sensor: &Sensor) -> Self {
+    pub(super) fn new(coating: &Coating, sensor: &Sensor) -> Self {
         let steps = (MAX_NM - MIN_NM) as usize;
         let block = |first: usize| {
             let nm = |i: usize| MIN_NM + (first + i).min(steps) as f64;
@@ -118,7 +118,7 @@ impl Integral {
         Self { film: spectral(&coating.stack, Range::constant(0.0)), blocks }
     }
 
-    fn colour(&self, mu: f32, thickness_nm: f32) -> [f32; 3] {
+    pub(super) fn colour(&self, mu: f32, thickness_nm: f32) -> [f32; 3] {
         let mut rgb = [0.0; 3];
         for (nm, weights) in &self.blocks {
             let reflect = self.film.split(Side::Outside, mu, thickness_nm, nm).reflect;
@@ -131,7 +131,7 @@ impl Integral {
 }
 
 /// Round values between two ends: the share of the way, and the figures.
-fn ticks(low: f64, high: f64) -> Vec<(f64, String)> {
+pub(super) fn ticks(low: f64, high: f64) -> Vec<(f64, String)> {
     let step = round_step(high - low, 10.0);
     let first = (low / step - 1e-9).ceil() as i64;
     let last = (high / step + 1e-9).floor() as i64;

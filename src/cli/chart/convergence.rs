@@ -7,7 +7,8 @@ use sha2::{Digest, Sha256};
 
 use super::{check_base, write};
 use crate::batch::still::{self, StillPlan};
-use crate::cli::render::{RenderArgs, Size, parse_size};
+use crate::cli::raster_args::{Size, parse_size};
+use crate::cli::render::RenderArgs;
 use crate::cli::{print, say};
 use crate::document::Document;
 use crate::error::Error;
@@ -115,7 +116,7 @@ pub fn run(args: &ConvergenceArgs) -> Result<(), Error> {
     }
     let size = args.size.map_or([None; 2], |size| [size.width, size.height]);
     let mut plan = common.picture.plan(&document.render);
-    plan.size = size;
+    plan.raster.size = size;
     let (stage, camera, notes) = still::stage(&document, &plan)?;
     for note in &notes {
         say(note);

@@ -4,25 +4,77 @@ use crate::collada::error::Fault;
 use crate::collada::loader::Loader;
 use crate::collada::xml::Element;
 use crate::color::{Index, Kind};
-use crate::document::{Channel4, Film, THICKEST_NM, Thickness};
+use crate::document::{Film, Knob, Preset, THICKEST_NM, Thickness};
 
 use super::index::{named, names};
 use super::maps;
 use super::strict::{Bounds, Strict, at_most_one};
+
+/// The children of a film that make its thickness vary.
+pub const VARYING: [&str; 3] = ["noise", "drain", "map"];
 
 /// All `<film>` children of a base, outermost first.
 pub fn stack<'a>(loader: &mut Loader<'a>, base: Element<'a>, user: &str) -> Result<Vec<Film>, Fault> {
     let mut films = Vec::new();
     let mut varies = false;
     for element in base.children_named("film") {
-        let film = read(loader, element, user)?;
-        let varying = !matches!(film.thickness, Thickness::Constant { .. });
+        let read = match element.attribute("preset") {
+            Some(_) => preset_films(loader, element, user)?,
+            None => vec![read(loader, element, user)?],
+        };
+        let varying = read.iter().any(|film| !matches!(film.thickness, Thickness::Constant { .. }));
         if varying && varies {
             let fault = element.fault("a second film of this stack varies in thickness");
             return Err(fault.hint("one film of a stack may have <noise>, <drain> or <map>; the others are constant"));
         }
         varies |= varying;
-        films.push(film);
+        films.extend(read);
+    }
+    Ok(films)
+}
+
+/// The films of a named surface, on another base.
+fn preset_films<'a>(loader: &mut Loader<'a>, element: Element<'a>, user: &str) -> Result<Vec<Film>, Fault> {
+    let mut strict = Strict::new(element);
+    let named = preset(&mut strict, "preset")?;
+    let named = strict.required("preset", named)?;
+    let mut films = of_preset(loader, &mut strict, named, user)?;
+    // The weights of a stack are multiplied: one of them says it all.
+    if let (Some(weight), Some(film)) = (strict.number("weight", Bounds::Within(0.0, 1.0))?, films.first_mut()) {
+        film.weight = weight;
+    }
+    strict.finish(&VARYING)?;
+    Ok(films)
+}
+
+/// The preset that an attribute names.
+pub fn preset(strict: &mut Strict, attribute: &'static str) -> Result<Option<&'static Preset>, Fault> {
+    let Some(name) = strict.text(attribute) else { return Ok(None) };
+    let fault = || strict.element.fault_at_value(attribute, format!("unknown preset `{name}`"));
+    let known = || Preset::all().iter().map(|preset| preset.name);
+    Preset::find(name).map(Some).ok_or_else(|| fault().suggest(name, known()))
+}
+
+/// The films of a preset, from its own number; a single one may vary.
+pub fn of_preset<'a>(
+    loader: &mut Loader<'a>,
+    strict: &mut Strict<'a>,
+    preset: &'static Preset,
+    user: &str,
+) -> Result<Vec<Film>, Fault> {
+    let Knob { name, least, most, default } = preset.knob;
+    let value = strict.number(name, Bounds::Within(least, most))?.unwrap_or(default);
+    let mut films = preset.films(value);
+    let element = strict.element;
+    match (at_most_one(element, &VARYING)?, films.as_mut_slice()) {
+        (None, _) => {}
+        (Some(varying), [Film { thickness: Thickness::Constant { nm }, .. }]) => {
+            films[0].thickness = vary(loader, varying, *nm, user)?;
+        }
+        (Some(varying), _) => {
+            let message = format!("`{}` has {} layers, which cannot vary", preset.name, films.len());
+            return Err(varying.fault(message).hint("presets of one layer can"));
+        }
     }
     Ok(films)
 }
@@ -45,21 +97,29 @@ fn read<'a>(loader: &mut Loader<'a>, element: Element<'a>, user: &str) -> Result
             return Err(fault.hint(format!("materials: {}, and every glass and metal", films.join(", "))));
         }
     };
-    let varying = at_most_one(element, &["noise", "drain", "map"])?;
     let required = || strict.required("thickness_nm", nm);
-    let thickness = match varying {
+    let thickness = match at_most_one(element, &VARYING)? {
         None => Thickness::Constant { nm: required()? },
-        Some(noise_element) if noise_element.name() == "noise" => noise(noise_element, required()?)?,
-        Some(other) => {
-            if nm.is_some() {
-                let seen = format!("`thickness_nm` of a <film> whose thickness comes from <{}>", other.name());
+        Some(varying) => {
+            if nm.is_some() && varying.name() != "noise" {
+                let seen = format!("`thickness_nm` of a <film> whose thickness comes from <{}>", varying.name());
                 loader.warnings.add(element, seen, "it has no meaning there and is ignored");
             }
-            if other.name() == "drain" { drain(other)? } else { map(loader, other, user)? }
+            let nm = if varying.name() == "noise" { required()? } else { 0.0 };
+            vary(loader, varying, nm, user)?
         }
     };
-    strict.finish(&["noise", "drain", "map"])?;
+    strict.finish(&VARYING)?;
     Ok(Film { index, thickness, weight })
+}
+
+/// What makes a film's thickness vary; `nm` is what noise varies.
+fn vary<'a>(loader: &mut Loader<'a>, element: Element<'a>, nm: f32, user: &str) -> Result<Thickness, Fault> {
+    match element.name() {
+        "noise" => noise(element, nm),
+        "drain" => drain(element),
+        _ => map(loader, element, user),
+    }
 }
 
 /// 0, or 1 to the limit: a film of a fraction of a nanometre is a film in micrometres.
@@ -108,8 +168,7 @@ fn map<'a>(loader: &mut Loader<'a>, element: Element<'a>, user: &str) -> Result<
     let min_nm = strict.required("min_nm", min_nm)?;
     let max_nm = thickness_nm(&mut strict, "max_nm")?;
     let max_nm = strict.required("max_nm", max_nm)?;
-    let channels = [("r", Channel4::R), ("g", Channel4::G), ("b", Channel4::B), ("a", Channel4::A)];
-    map.channel = strict.choice("channel", &channels)?.unwrap_or_default();
+    map.channel = maps::channel(&mut strict)?.unwrap_or_default();
     strict.finish(&[])?;
     Ok(Thickness::Map { min_nm, max_nm, map })
 }

@@ -1,4 +1,4 @@
-//! The four bases: `<diffuse>`, `<conductor>`, `<dielectric>`, `<emitter>`.
+//! The bases: `<diffuse>`, `<conductor>`, `<dielectric>`, `<emitter>`, and `<preset>`, which brings films along.
 
 use glam::Vec3;
 
@@ -6,7 +6,7 @@ use crate::collada::error::Fault;
 use crate::collada::loader::Loader;
 use crate::collada::xml::Element;
 use crate::color::{Index, Kind};
-use crate::document::{Base, Distribution, Encoding, Material, Microfacets, Scalar, SurfaceEmission, Texture};
+use crate::document::{Base, Distribution, Encoding, Film, Material, Microfacets, Scalar, SurfaceEmission, Texture};
 
 use super::film;
 use super::index::{self, named};
@@ -14,17 +14,17 @@ use super::maps;
 use super::spectrum;
 use super::strict::{Bounds, Strict, at_most_one, only_children};
 
-const BASES: [&str; 4] = ["diffuse", "conductor", "dielectric", "emitter"];
+const BASES: [&str; 5] = ["diffuse", "conductor", "dielectric", "emitter", "preset"];
 
 /// Children that a base with a surface may have.
-const SURFACE_CHILDREN: [&str; 3] = ["film", "map", "normal_map"];
+const SURFACE_CHILDREN: [&str; 4] = ["film", "map", "normal_map", "opacity"];
 
 /// Reads the technique of an effect. `user` names the material for messages.
 pub fn read<'a>(loader: &mut Loader<'a>, technique: Element<'a>, user: &str) -> Result<Material, Fault> {
     only_children(technique, &BASES)?;
     let Some(base) = at_most_one(technique, &BASES)? else {
         let fault = technique.fault("this technique holds no base");
-        return Err(fault.hint("one of <diffuse>, <conductor>, <dielectric>, <emitter>"));
+        return Err(fault.hint("one of <diffuse>, <conductor>, <dielectric>, <emitter>, <preset>"));
     };
     let mut material = Material::default();
     if base.name() == "emitter" {
@@ -32,13 +32,19 @@ pub fn read<'a>(loader: &mut Loader<'a>, technique: Element<'a>, user: &str) -> 
         material.emission = Some(emitter(base)?);
         return Ok(material);
     }
-    material.films = film::stack(loader, base, user)?;
+    if base.name() != "preset" {
+        material.films = film::stack(loader, base, user)?;
+    }
     if let Some(element) = at_most_one(base, &["normal_map"])? {
         material.normal_map = Some(maps::normal_map(loader, element, user)?);
+    }
+    if let Some(element) = at_most_one(base, &["opacity"])? {
+        material.opacity = maps::opacity(loader, element, user)?;
     }
     material.base = match base.name() {
         "diffuse" => diffuse(loader, base, user)?,
         "conductor" => conductor(loader, base, user)?,
+        "preset" => preset(loader, base, user, &mut material.films)?,
         _ => dielectric(loader, base, user)?,
     };
     Ok(material)
@@ -84,8 +90,24 @@ fn dielectric<'a>(loader: &mut Loader<'a>, element: Element<'a>, user: &str) -> 
     let index = glass.unwrap_or(Index::Constant { n: ior.unwrap_or(1.5), k: 0.0 });
     let microfacets = microfacets(loader, &mut strict, user)?;
     let absorption_per_m = strict.rgb("absorption_per_m", Bounds::AtLeast(0.0))?.unwrap_or(Vec3::ZERO);
+    let priority = strict.whole("priority", 0, u32::from(u8::MAX))?.map(|priority| priority as u8);
     strict.finish(&SURFACE_CHILDREN)?;
-    Ok(Base::Dielectric { index, microfacets, absorption_per_m, fresnel: true })
+    Ok(Base::Dielectric { index, microfacets, absorption_per_m, fresnel: true, priority })
+}
+
+/// A named surface, with its films.
+fn preset<'a>(loader: &mut Loader<'a>, element: Element<'a>, user: &str, films: &mut Vec<Film>) -> Result<Base, Fault> {
+    let mut strict = Strict::new(element);
+    let named = film::preset(&mut strict, "name")?;
+    let named = strict.required("name", named)?;
+    *films = film::of_preset(loader, &mut strict, named, user)?;
+    let mut base = named.base();
+    if let Base::Conductor { microfacets: own, .. } | Base::Dielectric { microfacets: own, .. } = &mut base {
+        *own = microfacets(loader, &mut strict, user)?;
+    }
+    let children: Vec<&str> = film::VARYING.into_iter().chain(["normal_map", "opacity"]).collect();
+    strict.finish(&children)?;
+    Ok(base)
 }
 
 fn microfacets<'a>(loader: &mut Loader<'a>, strict: &mut Strict<'a>, user: &str) -> Result<Microfacets, Fault> {
@@ -93,5 +115,5 @@ fn microfacets<'a>(loader: &mut Loader<'a>, strict: &mut Strict<'a>, user: &str)
     let words = [("ggx", Distribution::Ggx), ("beckmann", Distribution::Beckmann)];
     let distribution = strict.choice("distribution", &words)?.unwrap_or_default();
     let map = maps::base_map(loader, strict.element, "roughness", Encoding::Linear, user)?;
-    Ok(Microfacets { distribution, roughness: Scalar { value, map } })
+    Ok(Microfacets { distribution, roughness: Scalar::mapped(value, map) })
 }

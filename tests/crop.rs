@@ -1,0 +1,77 @@
+//! Parts of pictures, and pixels that are not square.
+
+use glam::Vec3;
+use pellicle::integrate::{PathLimits, Strategy};
+use pellicle::mode::{Mode, Rgb, Spectral};
+use pellicle::render::{Filter, Frame, Plan, render};
+use pellicle::scene::{Camera, FilmOptions, Framing, Raster, Scene, Stage, Window};
+use std::sync::Arc;
+
+use crate::transport::{Builder, Unwatched, coated, diffuse, metal, shining};
+
+/// Something of everything that pixels share: an edge of a lamp, indirect light, a film.
+fn scene() -> Builder {
+    let mut builder = Builder::seen_from(Vec3::new(0.0, 0.5, 4.0), 50.0);
+    builder.floor(Vec3::new(0.0, -1.0, 0.0), 3.0, diffuse(0.6));
+    builder.sphere(Vec3::new(-0.8, 0.0, 0.0), 0.7, coated(metal(1.0, 3.0, 0.2), 1.5, 350.0));
+    builder.sphere(Vec3::new(0.9, 0.6, 0.0), 0.3, shining(diffuse(0.0), 5.0));
+    builder
+}
+
+fn picture<M: Mode>(builder: &Builder, raster: Raster) -> Frame {
+    let stage = Arc::new(Stage::new(&builder.0, 1).unwrap());
+    let scene = Scene::<M>::new(stage.clone(), &FilmOptions { tolerance: 1.0, rung: None }).unwrap();
+    let (camera, _) = Camera::new(&builder.0, None, raster, Framing::Scene, stage.bounds).unwrap();
+    let limits = PathLimits { max_bounces: 4, strategy: Strategy::Shared };
+    let plan = Plan { spp: 3, seed: 5, threads: 2, filter: Filter::BlackmanHarris, limits, clamp: None };
+    render(&scene, &camera, &plan, &Unwatched).unwrap()
+}
+
+fn crops_are_pieces<M: Mode>() {
+    let builder = scene();
+    let size = [70, 45];
+    let raster = Raster::from(size.map(Some));
+    let whole = picture::<M>(&builder, raster);
+    for (x, y, width, height) in [(0, 0, 70, 45), (69, 44, 1, 1), (13, 7, 25, 30), (16, 16, 16, 16), (31, 0, 2, 45)] {
+        let crop = Window { x, y, width, height };
+        let part = picture::<M>(&builder, Raster { crop: Some(crop), ..raster });
+        assert_eq!((part.width, part.height, part.size, part.window), (width, height, size, crop));
+        for (i, (rgb, variance)) in part.rgb.iter().zip(&part.variance).enumerate() {
+            let index = ((y + i as u32 / width) * size[0] + x + i as u32 % width) as usize;
+            assert_eq!((rgb, variance), (&whole.rgb[index], &whole.variance[index]), "pixel {i} of {crop:?}");
+        }
+    }
+}
+
+#[test]
+fn pixels_of_a_crop_have_the_bits_of_the_whole() {
+    crops_are_pieces::<Rgb>();
+    crops_are_pieces::<Spectral<4>>();
+}
+
+#[test]
+fn a_crop_must_lie_in_the_picture() {
+    let builder = scene();
+    let stage = Stage::new(&builder.0, 1).unwrap();
+    for (x, y, width, height) in [(60, 0, 11, 1), (0, 40, 1, 6), (70, 0, 1, 1), (u32::MAX, 0, 2, 1)] {
+        let raster = Raster { crop: Some(Window { x, y, width, height }), ..Raster::from([Some(70), Some(45)]) };
+        let refused = Camera::new(&builder.0, None, raster, Framing::Scene, stage.bounds);
+        assert!(refused.is_err_and(|reason| reason.contains("leaves the picture of 70x45")));
+    }
+}
+
+/// Pixels twice as wide as high: the same view in half as many columns.
+#[test]
+fn wide_pixels_squeeze_the_picture() {
+    let mut builder = Builder::seen_from(Vec3::new(0.0, 0.0, 5.0), 30.0);
+    builder.sphere(Vec3::ZERO, 0.8, shining(diffuse(0.0), 1.0));
+    let lit = |raster| {
+        let frame = picture::<Rgb>(&builder, raster);
+        let total: f32 = frame.rgb.iter().map(|pixel| pixel[0]).sum();
+        ([frame.width, frame.height], total)
+    };
+    let (square, count) = lit(Raster::from([Some(80), None]));
+    let (wide, fewer) = lit(Raster { pixel_aspect: 2.0, ..Raster::from([None, Some(80)]) });
+    assert_eq!((square, wide), ([80, 80], [40, 80]));
+    assert!((count / fewer - 2.0).abs() < 0.03, "{count} and {fewer}");
+}
