@@ -203,6 +203,21 @@ fn bubbles_in_and_around_media_keep_white_white() {
     assert_close(mean(&builder.render(24, 64, 400, Strategy::Mis, 0)), 1.0);
 }
 
+/// A rough bubble of air in glass: the thinner medium is inside, and nothing is lost.
+#[test]
+fn rough_bubbles_keep_white_white() {
+    let mut bubble = medium(1.0, 2, 0.0);
+    if let Base::Dielectric { microfacets, .. } = &mut bubble.base {
+        *microfacets = rough(0.5);
+    }
+    let mut builder = Builder::seen_from(Vec3::new(0.0, 0.0, 4.0), 25.0);
+    builder.sky(1.0);
+    builder.sphere(Vec3::ZERO, 1.0, medium(1.5, 1, 0.0));
+    builder.sphere(Vec3::new(0.1, 0.2, 0.0), 0.6, bubble);
+    let (mean, error) = mean(&builder.render(16, 256, 400, Strategy::Mis, 0));
+    assert!((mean - 1.0).abs() < 4.5 * error + 2e-3, "{mean} +- {error}");
+}
+
 /// Shadow rays go the same way as paths: through hidden and index-matched interfaces, with what each medium absorbs.
 #[test]
 fn light_inside_media_is_found_alike_by_all_strategies() {

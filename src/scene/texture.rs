@@ -28,6 +28,10 @@ enum Texels {
 static SRGB_TO_LINEAR: LazyLock<[f32; 256]> =
     LazyLock::new(|| std::array::from_fn(|code| view::srgb_decode(code as f32 / 255.0)));
 
+/// The same for 16 bits.
+static SRGB16_TO_LINEAR: LazyLock<Vec<f32>> =
+    LazyLock::new(|| (0..=u16::MAX).map(|code| view::srgb_decode(f32::from(code) / 65535.0)).collect());
+
 impl Texture {
     /// Reads and decodes an image file (PNG, JPEG, TGA, BMP, TIFF, HDR, EXR).
     ///
@@ -137,11 +141,12 @@ impl Texture {
                 Vec4::new(decode(r), decode(g), decode(b), f32::from(a) / 255.0)
             }
             Texels::Word(texels) => {
-                let linear = Vec4::from_array(texels[index].map(|code| f32::from(code) / 65535.0));
-                match encoding {
-                    Encoding::Srgb => Vec3::from(linear.truncate().to_array().map(view::srgb_decode)).extend(linear.w),
-                    Encoding::Linear => linear,
-                }
+                let [r, g, b, a] = texels[index];
+                let decode = |code: u16| match encoding {
+                    Encoding::Srgb => SRGB16_TO_LINEAR[usize::from(code)],
+                    Encoding::Linear => f32::from(code) / 65535.0,
+                };
+                Vec4::new(decode(r), decode(g), decode(b), f32::from(a) / 65535.0)
             }
         }
     }

@@ -121,7 +121,8 @@ pub fn run(args: &ConvergenceArgs) -> Result<(), Error> {
     for note in &notes {
         say(note);
     }
-    let camera = if args.size.is_some() { camera } else { camera.resized(reduced(camera.size)) };
+    // Of the whole picture, whatever else is asked for.
+    let camera = camera.resized(if args.size.is_some() { camera.size } else { reduced(camera.size) });
     let setting = Setting { document: &document, stage, camera };
 
     let contenders = args.contenders(&setting, &common)?;

@@ -1,6 +1,7 @@
-//! Parts of pictures, and pixels that are not square.
+//! The camera: parts of pictures, pixels that are not square, apertures.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
+use pellicle::document::Lens;
 use pellicle::integrate::{PathLimits, Strategy};
 use pellicle::mode::{Mode, Rgb, Spectral};
 use pellicle::render::{Filter, Frame, Plan, render};
@@ -74,4 +75,34 @@ fn wide_pixels_squeeze_the_picture() {
     let (wide, fewer) = lit(Raster { pixel_aspect: 2.0, ..Raster::from([None, Some(80)]) });
     assert_eq!((square, wide), ([80, 80], [40, 80]));
     assert!((count / fewer - 2.0).abs() < 0.03, "{count} and {fewer}");
+}
+
+/// Rays of a thin lens start evenly all over its aperture and meet in the plane of focus.
+#[test]
+fn lenses_are_round_or_have_blades() {
+    let (radius, focus) = (0.25f32, 4.0);
+    for blades in [0, 3, 6] {
+        let mut builder = Builder::seen_from(Vec3::ZERO, 30.0);
+        builder.0.cameras[0].lens = Some(Lens { aperture_radius_m: radius, focus_distance_m: focus, blades });
+        let bounds = (Vec3::NEG_ONE, Vec3::ONE);
+        let (camera, _) = Camera::new(&builder.0, None, [Some(64); 2], Framing::Scene, bounds).unwrap();
+        let (mut farthest, mut squares) = (Vec2::ZERO, 0.0);
+        for i in 0..128 * 128u32 {
+            let u = [(i % 128) as f32 + 0.5, (i / 128) as f32 + 0.5].map(|u| u / 128.0);
+            let ray = camera.ray(Vec2::new(20.0, 50.0), u);
+            let on_lens = ray.origin.truncate() / radius;
+            farthest = farthest.max(on_lens.abs());
+            squares += on_lens.length_squared() / (128.0 * 128.0);
+            // The same point of the plane, wherever the ray started.
+            let sharp = camera.ray(Vec2::new(20.0, 50.0), [0.5; 2]);
+            let meets = |ray: &pellicle::embree::Ray| ray.at((-focus - ray.origin.z) / ray.dir.z);
+            assert!(meets(&ray).distance(meets(&sharp)) < 1e-5, "{blades} blades");
+        }
+        // Second moments of a disc and of polygons with a corner at the top.
+        let (sides, turn) = (blades as f32, std::f32::consts::TAU / blades.max(1) as f32);
+        let moment = if blades == 0 { 0.5 } else { (2.0 + turn.cos()) / 6.0 };
+        let width = if blades == 0 { 1.0 } else { (turn * (sides / 4.0).round()).sin() };
+        assert!((squares - moment).abs() < 2e-3, "{blades} blades: {squares} for {moment}");
+        assert!((farthest - Vec2::new(width, 1.0)).abs().max_element() < 0.02, "{blades} blades: {farthest}");
+    }
 }
