@@ -17,6 +17,8 @@ pub mod bsdf;
 
 pub mod embree;
 
+pub mod denoise;
+
 pub mod scene;
 
 pub mod integrate;

@@ -15,6 +15,7 @@ mod film; // the optics against independent truth tables
 mod film_command; // `pellicle film` against the same tables; errors that help; drawings
 mod golden; // shipped scenes against stored pictures
 mod house; // the order of the rooms, where unsafe may be, files that stay readable
+mod layers; // layers beside the picture, mattes, the denoiser, what other tools make of our files
 mod nesting; // bodies in, beside and across each other
 mod output; // files are whole or absent
 mod presets; // named surfaces and the colours that their sources tell of
@@ -22,3 +23,4 @@ mod stability; // where methods fail: finite, bounded, continuous at every extre
 mod statistics; // the tests' own tools
 mod textures; // images as they reach the picture
 mod transport; // closed forms, strategies agree, threads do not matter
+mod view; // what a display is sent for colours inside and outside of its reach

@@ -103,8 +103,6 @@ fn variance_layers_are_there_when_asked_for_and_say_how_noisy_the_mean_is() {
     let pixels = a.rgba.iter().zip(&b.rgba);
     let squares: f32 = pixels.flat_map(|(a, b)| (0..3).map(|c| (a[c] - b[c]).powi(2))).sum();
     assert!((0.02..1.2).contains(&(squares / stated)), "{squares} {stated}");
-    let error = fail(2, &["render", "room.dae", "-o", &folder.file("a.png"), "--aov", "variance"]);
-    assert!(error.contains(".exr"), "{error}");
     assert!(fail(2, &["render", "room.dae", "-o", "a.exr", "--aov", "depht"]).contains("variance"));
 }
 

@@ -1,4 +1,4 @@
-//! The house rules: rooms know only the rooms above them, unsafe lives in one room, files stay readable.
+//! The house rules: rooms know only the rooms above them, unsafe lives in two rooms, files stay readable.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -60,7 +60,9 @@ fn rooms_know_only_the_rooms_before_them() {
 }
 
 #[test]
-fn unsafe_lives_in_one_room_and_gives_its_reasons() {
+fn unsafe_lives_where_c_is_spoken_and_gives_its_reasons() {
+    // Embree is linked, the denoiser looked up as the program runs: neither has a safe interface.
+    const ROOMS: [&str; 2] = ["embree", "denoise"];
     for (file, text) in source_files() {
         let lines: Vec<&str> = text.lines().collect();
         for (i, line) in lines.iter().enumerate() {
@@ -68,7 +70,7 @@ fn unsafe_lives_in_one_room_and_gives_its_reasons() {
             if !code.split(|c: char| !c.is_alphanumeric() && c != '_').any(|word| word == "unsafe") {
                 continue;
             }
-            assert_eq!(room(&file), "embree", "{}:{}: unsafe", file.display(), i + 1);
+            assert!(ROOMS.contains(&room(&file).as_str()), "{}:{}: unsafe", file.display(), i + 1);
             let reasoned =
                 lines[i.saturating_sub(9)..i].iter().any(|l| l.contains("SAFETY:") || l.contains("# Safety"));
             assert!(reasoned, "{}:{}: unsafe without a SAFETY comment", file.display(), i + 1);

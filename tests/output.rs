@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use pellicle::output::{
-    Crop, Format, HeaderValue, Layer, LayerKind, OutputError, Picture, PngDepth, Written, check_picture,
+    Crop, Display, Format, HeaderValue, Layer, LayerKind, OutputError, Picture, PngDepth, Written, check_picture,
     check_writable, is_complete, read_exr, write_exr, write_png, write_text,
 };
 
@@ -154,7 +154,7 @@ fn pictures_that_contradict_themselves_are_refused() {
     let short = Picture { width: 3, ..flat(2, 2, 0.0) };
     assert!(reason(&short).ends_with("4 pixels for 3x2"), "{}", reason(&short));
     assert!(reason(&Picture::default()).ends_with("a picture of 0x0 has no pixels"));
-    assert!(write_png(&folder.file("a.png"), &short, 0.0, PngDepth::Eight).is_err());
+    assert!(write_png(&folder.file("a.png"), &short, Display::PLAIN, PngDepth::Eight).is_err());
     let mut twice = rich();
     twice.layers[0].name = "R".to_string();
     assert!(reason(&twice).ends_with("the channel R appears twice"));
@@ -189,7 +189,7 @@ fn a_cut_exr_is_not_complete() {
 fn a_cut_png_is_not_complete() {
     let folder = Folder::new("cut-png");
     let path = folder.file("a.png");
-    write_png(&path, &flat(64, 64, 0.18), 0.0, PngDepth::Eight).unwrap();
+    write_png(&path, &flat(64, 64, 0.18), Display::PLAIN, PngDepth::Eight).unwrap();
     let whole = fs::read(&path).unwrap();
     assert!(is_complete(&path));
     for length in [0, 20, whole.len() / 2, whole.len() - 1] {
@@ -225,12 +225,12 @@ fn png_values_follow_the_srgb_curve() {
     for (value, code) in known {
         let path = folder.file("a.png");
         let clipped = if (0.0..=1.0).contains(&value) { 0 } else { 16 };
-        let written = write_png(&path, &flat(4, 4, value), 0.0, PngDepth::Sixteen).unwrap();
+        let written = write_png(&path, &flat(4, 4, value), Display::PLAIN, PngDepth::Sixteen).unwrap();
         assert_eq!(written, Written { clamped: 0, out_of_gamut: clipped }, "{value}");
         let (codes, _) = decode(&path);
         assert!(codes.len() == 48 && codes.iter().all(|&found| found == code), "{value}: {codes:?}");
 
-        write_png(&path, &flat(4, 4, value), 0.0, PngDepth::Eight).unwrap();
+        write_png(&path, &flat(4, 4, value), Display::PLAIN, PngDepth::Eight).unwrap();
         let exact = f32::from(code) / 257.0;
         let (codes, _) = decode(&path);
         assert!(codes.iter().all(|&found| (f32::from(found) - exact).abs() < 1.0), "{value}: {codes:?}");
@@ -241,12 +241,22 @@ fn png_values_follow_the_srgb_curve() {
 fn exposure_comes_before_the_curve() {
     let folder = Folder::new("exposure");
     let path = folder.file("a.png");
-    assert_eq!(write_png(&path, &flat(2, 2, 0.045), 2.0, PngDepth::Sixteen).unwrap().out_of_gamut, 0);
+    assert_eq!(
+        write_png(&path, &flat(2, 2, 0.045), Display { exposure_ev: 2.0, ..Display::PLAIN }, PngDepth::Sixteen)
+            .unwrap()
+            .out_of_gamut,
+        0
+    );
     assert!(decode(&path).0.iter().all(|&code| code == 30235)); // 0.18
-    assert_eq!(write_png(&path, &flat(2, 2, 0.5), 1.5, PngDepth::Sixteen).unwrap().out_of_gamut, 4);
+    assert_eq!(
+        write_png(&path, &flat(2, 2, 0.5), Display { exposure_ev: 1.5, ..Display::PLAIN }, PngDepth::Sixteen)
+            .unwrap()
+            .out_of_gamut,
+        4
+    );
     let mut nan = flat(2, 2, 0.5);
     nan.rgba[3][1] = f32::NAN;
-    assert_eq!(write_png(&path, &nan, 0.0, PngDepth::Eight).unwrap().out_of_gamut, 1);
+    assert_eq!(write_png(&path, &nan, Display::PLAIN, PngDepth::Eight).unwrap().out_of_gamut, 1);
     assert_eq!(decode(&path).0[10], 0);
 }
 
@@ -256,21 +266,21 @@ fn dither_is_repeatable_unbiased_and_quiet() {
     let path = folder.file("a.png");
     for i in 1..20 {
         let picture = flat(128, 128, i as f32 / 20.0);
-        write_png(&path, &picture, 0.0, PngDepth::Sixteen).unwrap();
+        write_png(&path, &picture, Display::PLAIN, PngDepth::Sixteen).unwrap();
         let exact = f64::from(decode(&path).0[0]) / 257.0;
-        write_png(&path, &picture, 0.0, PngDepth::Eight).unwrap();
+        write_png(&path, &picture, Display::PLAIN, PngDepth::Eight).unwrap();
         let (codes, _) = decode(&path);
         for channel in 0..3 {
             let sum: f64 = codes.iter().skip(channel).step_by(3).map(|&code| f64::from(code)).sum();
             let mean = sum / (128.0 * 128.0);
             assert!((mean - exact).abs() < 0.01, "channel {channel}: {mean} for {exact}");
         }
-        write_png(&path, &picture, 0.0, PngDepth::Eight).unwrap();
+        write_png(&path, &picture, Display::PLAIN, PngDepth::Eight).unwrap();
         assert_eq!(decode(&path).0, codes);
     }
     // Codes that 8 bits hold exactly are not touched.
     for (value, code) in [(0.0, 0), (1.0, 255)] {
-        write_png(&path, &flat(64, 64, value), 0.0, PngDepth::Eight).unwrap();
+        write_png(&path, &flat(64, 64, value), Display::PLAIN, PngDepth::Eight).unwrap();
         assert!(decode(&path).0.iter().all(|&found| found == code));
     }
 }
@@ -279,7 +289,7 @@ fn dither_is_repeatable_unbiased_and_quiet() {
 fn a_png_says_how_to_read_it() {
     let folder = Folder::new("chunks");
     let path = folder.file("a.png");
-    write_png(&path, &rich(), 0.0, PngDepth::Eight).unwrap();
+    write_png(&path, &rich(), Display::PLAIN, PngDepth::Eight).unwrap();
     let (_, chunks) = decode(&path);
     for name in ["sRGB", "gAMA", "cHRM", "tEXt", "iTXt", "IEND"] {
         assert!(chunks.iter().any(|chunk| chunk == name), "{name} is not in {chunks:?}");

@@ -75,7 +75,7 @@ fn knows_wavelengths(document: &Document, stage: &Stage) -> bool {
         };
         base || !material.films.is_empty()
     });
-    let mut spectra = stage.spectra.iter();
+    let mut spectra = stage.spectra.iter().map(|(spectrum, _)| spectrum);
     let first: Option<&Emission> = spectra.next();
     materials || spectra.any(|spectrum| Some(spectrum) != first)
 }

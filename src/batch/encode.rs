@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::frames::{FrameList, Pattern};
 use crate::error::Error;
-use crate::output::{self, Container, Format, OutputError, VideoPlan};
+use crate::output::{self, Container, Display, Format, OutputError, VideoPlan};
 
 /// Frames of one size, in the order of their numbers.
 pub struct Footage {
@@ -20,7 +20,7 @@ pub struct EncodePlan {
     /// Instead of the usual quality of the format ([`Container::usual_quality`]).
     pub quality: Option<u32>,
     /// For EXR frames.
-    pub exposure_ev: f32,
+    pub display: Display,
 }
 
 /// What videos are written as.
@@ -107,7 +107,7 @@ impl Footage {
         plan: &EncodePlan,
         tell: impl Fn(&str),
     ) -> Result<u64, OutputError> {
-        let codes = self.frames.iter().map(|frame| output::read_codes(frame, plan.exposure_ev));
+        let codes = self.frames.iter().map(|frame| output::read_codes(frame, plan.display));
         let count = self.frames.len() as u64;
         match target {
             Target::Apng => {

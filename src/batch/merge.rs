@@ -31,7 +31,7 @@ impl Merge {
         let Some((first_path, first)) = parts.first() else {
             return Err(Error::Usage("there are no parts to merge".to_owned()));
         };
-        render::check_memory(first.settings.size, render::available_memory())?;
+        render::check_memory(first.settings.size, false, render::available_memory())?;
         for (path, header) in &parts {
             if let Some((name, ours, theirs)) = first.settings.difference(&header.settings) {
                 return Err(Error::Usage(format!(

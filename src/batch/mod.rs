@@ -1,6 +1,7 @@
 //! Jobs: load once, build once, render, save.
 
 pub mod animate;
+pub mod aov;
 pub mod budget;
 pub mod checkpoint;
 mod choose_mode;
@@ -10,6 +11,7 @@ pub mod frames;
 pub mod live;
 pub mod merge;
 pub mod part;
+mod quick_look;
 pub mod record;
 pub mod resume;
 mod row;

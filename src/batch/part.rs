@@ -11,7 +11,7 @@ use crate::document::{Document, ImageSource};
 use crate::error::Error;
 use crate::integrate::{PathLimits, Tally};
 use crate::mode::Mode;
-use crate::output::{self, HeaderValue, OutputError, PartBlock, PartReader};
+use crate::output::{self, Display, HeaderValue, OutputError, PartBlock, PartReader};
 use crate::render::{Accumulation, Block, Doublings, Plan};
 use crate::scene::{FilmOptions, Raster, Window};
 
@@ -24,7 +24,7 @@ pub struct PartHeader {
     /// What the finished picture's header will say, but for samples and times.
     pub picture: Vec<(String, HeaderValue)>,
     /// For PNG, where nothing else is asked for.
-    pub exposure_ev: f32,
+    pub display: Display,
     pub cost: Cost,
 }
 
@@ -88,6 +88,7 @@ impl Settings {
             render,
             look: _,
             aovs: _,
+            denoise: _,
             max_memory: _,
         } = plan;
         let FilmOptions { tolerance, rung } = films;
@@ -158,7 +159,7 @@ impl PartHeader {
             settings: settings.clone(),
             samples: sums.samples.clone(),
             picture: prepared.header(document, plan),
-            exposure_ev: plan.look.exposure_ev,
+            display: plan.look.display,
             cost: Cost::of(sums),
         }
     }

@@ -11,7 +11,7 @@ pub struct Row {
     pub file: String,
     /// `ok`, `failed`, or `unrecorded`: the frame is there, but the program ended before its row was written.
     pub status: String,
-    /// Why it failed.
+    /// Why it failed, or why it is noisy though it should not be.
     pub reason: String,
     pub seed: u32,
     /// Samples per pixel that were taken.
@@ -29,7 +29,6 @@ pub struct Row {
     pub render_s: f64,
     /// User and system time of all threads; not part of `total_s`.
     pub render_cpu_s: f64,
-    /// Nothing is denoised yet: 0.
     pub denoise_s: f64,
     pub write_s: f64,
     /// Everything else.
@@ -95,6 +94,7 @@ impl Row {
             &mut self.materials_s,
             &mut self.pilot_s,
             &mut self.render_s,
+            &mut self.denoise_s,
             &mut self.write_s,
             &mut self.other_s,
             &mut self.total_s,

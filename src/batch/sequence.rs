@@ -15,11 +15,12 @@ use super::shutter::{Shutter, Until};
 use super::still::{self, Prepared, StillPlan, built};
 use super::thumbnail::Thumbnail;
 use super::turntable::{Turning, Turntable};
+use crate::denoise::Denoiser;
 use crate::document::Document;
 use crate::error::Error;
 use crate::mode::Mode;
 use crate::output::{self, Format, HeaderValue};
-use crate::render::{Accumulation, Frame, Plan, Watch};
+use crate::render::{Accumulation, Frame, Plan, Survey, Watch};
 use crate::scene::{Camera, Framing, Placed, Pose, Stage};
 
 /// What changes from frame to frame.
@@ -48,6 +49,8 @@ pub struct SequencePlan {
     pub budget: Budget,
     /// Motion blur, where it is wanted.
     pub shutter: Option<Shutter>,
+    /// Where frames are denoised.
+    pub denoiser: Option<Denoiser>,
     /// Stands for everything that decides what a frame looks like; goes into each file, for resuming.
     pub settings: String,
 }
@@ -182,7 +185,7 @@ impl<M: Mode> Sequence<M> {
         let mut still = self.still.clone();
         still.render = Plan { spp: limit.spp, seed: still.render.seed.wrapping_add(seed), ..still.render };
         let limited = Limited { watch, limit, start: Instant::now() };
-        let (image, posed) = self.expose(frame, &still, &limited)?;
+        let (image, survey, posed) = self.expose(frame, &still, &limited)?;
         if watch.stop() && image.spp < limit.spp {
             return Ok(None);
         }
@@ -191,7 +194,10 @@ impl<M: Mode> Sequence<M> {
         let loading = self.loading.take();
         let parse_s = loading.map_or(0.0, |loading| loading.parse_s);
         let mut stats = self.prepared.stats(&self.document, &still, &image, parse_s);
-        let mut picture = still::picture(&image, &still.aovs, self.prepared.header(&self.document, &still));
+        let denoiser = self.plan.denoiser.as_ref();
+        let (layers, denoised) = self.prepared.layers(&self.document, &still, &image, survey.as_ref(), denoiser);
+        let (denoise_s, reason) = denoised.map_or_else(|error| (0.0, error.to_string()), |s| (s, String::new()));
+        let mut picture = still::picture(&image, layers, self.prepared.header(&self.document, &still));
         picture.header.push((output::SETTINGS.to_owned(), HeaderValue::Text(self.plan.settings.clone())));
         picture.header.push(("imageCounter".to_owned(), HeaderValue::Int(frame as i32)));
         let (written, write_s) = still::write(path, self.plan.format, &picture, still.look)?;
@@ -212,6 +218,8 @@ impl<M: Mode> Sequence<M> {
             pilot_s: loading.map_or(0.0, |loading| loading.pilot_s),
             render_s: stats.render_s,
             render_cpu_s: stats.render_cpu_s,
+            reason,
+            denoise_s,
             write_s,
             rays: stats.rays,
             shadow_rays: stats.shadow_rays,
@@ -230,7 +238,7 @@ impl<M: Mode> Sequence<M> {
             peak_rss_mb: stats.peak_rss_mb,
             ..self.row(frame, path, start)
         };
-        let thumbnail = Thumbnail::of(&image.rgb, image.width, self.still.look.exposure_ev);
+        let thumbnail = Thumbnail::of(&image.rgb, image.width, self.still.look.display);
         row.total_s = load_s + start.elapsed().as_secs_f64();
         row.settle();
         self.schedule.note(row.spp, row.render_s, row.total_s - load_s);
@@ -238,11 +246,19 @@ impl<M: Mode> Sequence<M> {
     }
 
     /// Poses and renders: once, or for each sample where the shutter takes its time.
-    fn expose(&mut self, frame: u32, still: &StillPlan, limited: &Limited) -> Result<(Frame, Posed), Error> {
+    fn expose(
+        &mut self,
+        frame: u32,
+        still: &StillPlan,
+        limited: &Limited,
+    ) -> Result<(Frame, Option<Survey>, Posed), Error> {
         let frame = f64::from(frame);
+        let mut survey = None;
         let Some(shutter) = self.plan.shutter else {
             let posed = self.pose(frame)?;
-            return Ok((self.prepared.render(still, limited)?, posed));
+            let image = self.prepared.render(still, limited)?;
+            self.prepared.look(still, &mut survey, 0..image.spp)?;
+            return Ok((image, survey, posed));
         };
         let mut posed = Posed::default();
         let camera = &self.prepared.camera;
@@ -253,8 +269,9 @@ impl<M: Mode> Sequence<M> {
             if sums.spp() <= index {
                 break;
             }
+            self.prepared.look(still, &mut survey, index..index + 1)?;
         }
-        Ok((sums.into_frame(), posed))
+        Ok((sums.into_frame(), survey, posed))
     }
 
     /// Brings the scene to a frame, or between two; builds no more anew than has changed.

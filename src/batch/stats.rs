@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use crate::film::Verdict;
 use crate::output::Written;
+use crate::render::Survey;
 
 /// Everything measured about one picture. Seconds end in `_s`.
 #[derive(Clone, Debug, Serialize)]
@@ -35,6 +36,10 @@ pub struct Stats {
     /// Wall and user + system seconds of rendering alone.
     pub render_s: f64,
     pub render_cpu_s: f64,
+    /// Looking at the scene for further layers.
+    pub survey_s: f64,
+    pub survey_cpu_s: f64,
+    pub denoise_s: f64,
     pub write_s: f64,
     /// Since the process began to load.
     pub total_s: f64,
@@ -69,6 +74,13 @@ impl Stats {
         text
     }
 
+    /// Adds what the further layers took.
+    pub fn add_layers(&mut self, survey: Option<&Survey>, denoise_s: f64) {
+        (self.survey_s, self.survey_cpu_s) = survey.map_or((0.0, 0.0), |survey| (survey.survey_s, survey.survey_cpu_s));
+        self.denoise_s = denoise_s;
+        self.total_s += self.survey_s + denoise_s;
+    }
+
     /// Adds what writing the picture told.
     pub fn finish(&mut self, written: &Written, write_s: f64) {
         self.clamped = written.clamped;
@@ -97,7 +109,7 @@ impl Stats {
             (self.beyond_range, "samples were brighter than 4.3e9 and count as that"),
             (self.clamped_samples, "samples were clamped: the picture is biased"),
             (self.clamped, "values were too large for half floats (use --float)"),
-            (self.out_of_gamut, "pixels are outside sRGB and were clipped"),
+            (self.out_of_gamut, "pixels are outside sRGB and were brought inside"),
         ] {
             if count > 0 {
                 line.push_str(&format!("; {count} {what}"));

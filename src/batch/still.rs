@@ -1,17 +1,22 @@
 //! One picture.
 
+use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
+use super::aov::{Aov, LIGHT_GROUP, Layers};
+use super::quick_look::{denoised, quick_looks};
 use super::stats::{FilmStats, Stats};
+use crate::denoise::{DenoiseError, Denoiser};
 use crate::document::{Document, Shape};
 use crate::error::Error;
 use crate::film::Verdict;
+use crate::integrate::Wanted;
 use crate::mode::Mode;
-use crate::output::{self, Crop, Format, HeaderValue, Layer, LayerKind, Picture, PngDepth, Written};
-use crate::render::{self, Accumulation, Frame, Plan, Watch};
-use crate::scene::{BuildError, Camera, FilmOptions, Framing, Placed, Raster, Scene, Stage, Window};
+use crate::output::{self, Crop, Display, Format, HeaderValue, LayerKind, Picture, PngDepth, Written};
+use crate::render::{self, Accumulation, Frame, Plan, Survey, Watch};
+use crate::scene::{BuildError, Camera, FilmOptions, Framing, LightGroups, Placed, Raster, Scene, Stage, Window};
 
 /// What is to be made, with every default filled in.
 #[derive(Clone, Debug)]
@@ -23,18 +28,23 @@ pub struct StillPlan {
     pub films: FilmOptions,
     pub render: Plan,
     pub look: Look,
-    /// EXR only.
     pub aovs: Vec<Aov>,
+    /// Whether the picture is denoised besides.
+    pub denoise: bool,
     /// Largest number of bytes for the picture; `None`: what the machine has left.
     pub max_memory: Option<u64>,
 }
 
-/// What a picture holds besides its colour.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Aov {
-    /// `variance.R/G/B`, 32-bit: the variance of each pixel's mean, as if its samples were independent (they are stratified,
-    /// which makes the true one smaller); infinite below two samples.
-    Variance,
+impl StillPlan {
+    /// True where each light has a layer of its own: the colour mode must be a [`Grouped`](crate::mode::Grouped) one then.
+    pub fn tells_lights_apart(&self) -> bool {
+        self.aovs.contains(&Aov::Lights)
+    }
+
+    /// True where the scene has to be looked at besides rendering it.
+    pub fn needs_survey(&self) -> bool {
+        self.denoise || self.aovs.iter().any(|aov| aov.needs_survey())
+    }
 }
 
 /// A scene that is ready to render.
@@ -61,11 +71,14 @@ pub fn movable_stage(
     plan: &StillPlan,
     moving: Vec<bool>,
 ) -> Result<(Stage, Camera, Placed, Vec<String>), Error> {
-    let stage = Stage::movable(document, plan.render.threads, moving).map_err(|source| built(document, source))?;
+    let groups = if plan.tells_lights_apart() { LightGroups::new(document) } else { LightGroups::default() };
+    let stage =
+        Stage::movable(document, plan.render.threads, moving, groups).map_err(|source| built(document, source))?;
     let (camera, placed) =
         Camera::new(document, plan.camera.as_deref(), plan.raster, plan.framing, stage.bounds).map_err(Error::Usage)?;
     let Window { width, height, .. } = camera.window();
-    render::check_memory([width, height], plan.max_memory.unwrap_or_else(render::available_memory))?;
+    let limit = plan.max_memory.unwrap_or_else(render::available_memory);
+    render::check_memory([width, height], plan.needs_survey() || plan.tells_lights_apart(), limit)?;
     let mut notes = Vec::new();
     match placed {
         Placed::AsWritten => {}
@@ -130,6 +143,42 @@ impl<M: Mode> Prepared<M> {
         Ok(render::accumulate(&self.scene, &self.camera, &plan.render, sums, watch)?)
     }
 
+    /// Looks at the scene along the camera rays of these samples, where anything of it is wanted.
+    ///
+    /// # Errors
+    /// Threads that the machine cannot give.
+    pub fn look(&self, plan: &StillPlan, survey: &mut Option<Survey>, samples: Range<u32>) -> Result<(), Error> {
+        if !plan.needs_survey() {
+            return Ok(());
+        }
+        let wants = |aov: Aov| plan.aovs.contains(&aov);
+        let wanted = Wanted { albedo: wants(Aov::Albedo), film: wants(Aov::Film), clues: plan.denoise };
+        let survey = survey.get_or_insert_with(|| Survey::new(self.camera.window(), wanted));
+        Ok(survey.add(&self.scene, &self.camera, &plan.render, samples)?)
+    }
+
+    /// Everything that goes into the picture's file besides its colours, and the seconds that denoising took, or
+    /// why it failed.
+    pub fn layers(
+        &self,
+        document: &Document,
+        plan: &StillPlan,
+        frame: &Frame,
+        survey: Option<&Survey>,
+        denoiser: Option<&Denoiser>,
+    ) -> (Layers, Result<f64, DenoiseError>) {
+        let mut layers = Layers::new(&plan.aovs, frame, survey, document);
+        let kind = if plan.look.float { LayerKind::Float } else { LayerKind::Half };
+        for (name, part) in self.scene.stage.groups.names.iter().zip(&frame.groups) {
+            layers.add_color(&format!("{LIGHT_GROUP}{name}"), kind, part);
+        }
+        let denoise_s = match (denoiser, survey) {
+            (Some(denoiser), Some(survey)) => layers.denoise(denoiser, frame, survey, kind, plan.render.threads),
+            _ => Ok(0.0),
+        };
+        (layers, denoise_s)
+    }
+
     /// All that is known before the picture is written; [`Stats::finish`] adds the rest.
     pub fn stats(&self, document: &Document, plan: &StillPlan, frame: &Frame, parse_s: f64) -> Stats {
         let stage = &self.scene.stage;
@@ -156,6 +205,9 @@ impl<M: Mode> Prepared<M> {
             load_s,
             render_s: frame.render_s,
             render_cpu_s: frame.render_cpu_s,
+            survey_s: 0.0,
+            survey_cpu_s: 0.0,
+            denoise_s: 0.0,
             write_s: 0.0,
             total_s: load_s + frame.render_s,
             rays: frame.tally.rays,
@@ -205,7 +257,7 @@ impl<M: Mode> Prepared<M> {
 }
 
 /// The frame with its further layers, and what is known of how it was made ([`Prepared::header`]).
-pub fn picture(frame: &Frame, aovs: &[Aov], mut header: Vec<(String, HeaderValue)>) -> Picture {
+pub fn picture(frame: &Frame, layers: Layers, mut header: Vec<(String, HeaderValue)>) -> Picture {
     header.extend([
         ("pellicle/sampleRange".to_owned(), HeaderValue::Text(format!("0-{}", frame.spp))),
         ("samplesPerPixel".to_owned(), HeaderValue::Int(frame.spp as i32)),
@@ -213,7 +265,8 @@ pub fn picture(frame: &Frame, aovs: &[Aov], mut header: Vec<(String, HeaderValue
         ("renderTimeSeconds".to_owned(), HeaderValue::Float(frame.render_s as f32)),
     ]);
     let rgba = frame.rgb.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect();
-    let layers = aovs.iter().flat_map(|aov| aov.layers(frame)).collect();
+    let Layers { layers, header: of_layers } = layers;
+    header.extend(of_layers);
     let Frame { width, height, size: [full_width, full_height], window, .. } = *frame;
     let is_part = window != Window::whole(frame.size);
     let crop = is_part.then_some(Crop { x: window.x, y: window.y, full_width, full_height });
@@ -232,31 +285,10 @@ pub fn progress(sums: &Accumulation) -> Vec<(String, HeaderValue)> {
 #[derive(Clone, Copy, Debug)]
 pub struct Look {
     /// PNG only.
-    pub exposure_ev: f32,
+    pub display: Display,
     pub png_depth: PngDepth,
     /// 32-bit EXR.
     pub float: bool,
-}
-
-impl Aov {
-    /// The names of its channels.
-    pub fn channels(self) -> [&'static str; 3] {
-        match self {
-            Self::Variance => ["variance.R", "variance.G", "variance.B"],
-        }
-    }
-
-    fn layers(self, frame: &Frame) -> [Layer; 3] {
-        let values = match self {
-            Self::Variance => &frame.variance,
-        };
-        let layer = |channel: usize| Layer {
-            name: self.channels()[channel].to_owned(),
-            kind: LayerKind::Float,
-            data: values.iter().map(|value| value[channel]).collect(),
-        };
-        std::array::from_fn(layer)
-    }
 }
 
 /// How the picture's mean differs from the light's, if it does.
@@ -264,7 +296,9 @@ fn biased(plan: &Plan) -> Option<String> {
     plan.clamp.map(|limit| format!("samples clamped to {limit}"))
 }
 
-/// Writes the picture in the format that its name asks for, and says how long that took.
+/// Writes the picture in the format that its name asks for, and says how long that took. What PNG has no room for goes into
+/// files beside it: `NAME.N.png` for the normals. Where there is a denoised picture `NAME.png` is that, and the other one
+/// `NAME.noisy.png`.
 ///
 /// # Errors
 /// The file cannot be written; an old file of that name is untouched then.
@@ -272,7 +306,20 @@ pub fn write(path: &Path, format: Format, picture: &Picture, look: Look) -> Resu
     let start = Instant::now();
     let written = match format {
         Format::Exr => output::write_exr(path, picture, look.float)?,
-        Format::Png => output::write_png(path, picture, look.exposure_ev, look.png_depth)?,
+        Format::Png => {
+            let beside = |name: &str| path.with_extension(format!("{name}.png"));
+            for (name, layers) in quick_looks(picture) {
+                let display = if name.starts_with(LIGHT_GROUP) { look.display } else { Display::PLAIN };
+                output::write_png(&beside(&name), &layers, display, look.png_depth)?;
+            }
+            match denoised(picture) {
+                Some(denoised) => {
+                    output::write_png(&beside("noisy"), picture, look.display, look.png_depth)?;
+                    output::write_png(path, &denoised, look.display, look.png_depth)?
+                }
+                None => output::write_png(path, picture, look.display, look.png_depth)?,
+            }
+        }
     };
     Ok((written, start.elapsed().as_secs_f64()))
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::color::view;
-use crate::output::{self, Format};
+use crate::output::{self, Display, Format};
 
 /// Of the longer side, pixels.
 const SIDE: u32 = 112;
@@ -17,12 +17,11 @@ pub struct Thumbnail {
 
 impl Thumbnail {
     /// Of linear pixels, as bright as a PNG of them would be.
-    pub fn of(pixels: &[[f32; 3]], width: u32, exposure_ev: f32) -> Self {
+    pub fn of(pixels: &[[f32; 3]], width: u32, display: Display) -> Self {
         let height = pixels.len() as u32 / width.max(1);
         let shrink = (width.max(height) as f32 / SIDE as f32).max(1.0);
         let side = |length: u32| ((length as f32 / shrink).round() as u32).max(1);
         let (small_width, small_height) = (side(width), side(height));
-        let gain = exposure_ev.exp2();
         let mut rgb = Vec::with_capacity(3 * (small_width * small_height) as usize);
         for y in 0..small_height {
             let rows = y * height / small_height..((y + 1) * height / small_height).max(y * height / small_height + 1);
@@ -34,7 +33,7 @@ impl Thumbnail {
                 let (mut sum, mut count) = ([0.0f32; 3], 0.0f32);
                 for index in block {
                     // What a screen cannot show must not outshine its neighbours.
-                    let shown = pixels[index].map(|value| (value * gain).clamp(0.0, 1.0));
+                    let shown = display.show(pixels[index]).0.map(view::srgb_decode);
                     sum.iter_mut().zip(shown).for_each(|(sum, value)| *sum += value);
                     count += 1.0;
                 }
@@ -45,18 +44,18 @@ impl Thumbnail {
     }
 
     /// Of a picture file; `None` if it cannot be read.
-    pub fn read(path: &Path, exposure_ev: f32) -> Option<Self> {
+    pub fn read(path: &Path, display: Display) -> Option<Self> {
         match Format::of(path).ok()? {
             Format::Exr => {
                 let picture = output::read_exr(path).ok()?;
                 let pixels: Vec<[f32; 3]> = picture.rgba.iter().map(|&[r, g, b, _]| [r, g, b]).collect();
-                Some(Self::of(&pixels, picture.width, exposure_ev))
+                Some(Self::of(&pixels, picture.width, display))
             }
             Format::Png => {
                 let image = image::open(path).ok()?.to_rgb8();
                 let linear = |code: u8| view::srgb_decode(f32::from(code) / 255.0);
                 let pixels: Vec<[f32; 3]> = image.pixels().map(|pixel| pixel.0.map(linear)).collect();
-                Some(Self::of(&pixels, image.width(), 0.0))
+                Some(Self::of(&pixels, image.width(), Display::PLAIN))
             }
         }
     }

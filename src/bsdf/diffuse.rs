@@ -59,7 +59,7 @@ impl<M: Mode> CoatedDiffuse<'_, M> {
     }
 
     /// Share of light from `wo` that the body returns in all directions.
-    fn body_albedo(&self, transmit: M::Light) -> M::Light {
+    pub(super) fn body_albedo(&self, transmit: M::Light) -> M::Light {
         // The light that gets out again: n^2 (1 - F) of the cosine-weighted hemisphere.
         let n2 = self.ior * self.ior;
         transmit * self.body() * self.internal_reflectance.map(|f| n2 * (1.0 - f))

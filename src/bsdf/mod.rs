@@ -4,6 +4,7 @@
 //! the surface and have unit length. For opaque surfaces only |z| counts: both sides look alike. For dielectrics z < 0 is
 //! the inside.
 
+mod albedo;
 mod conductor;
 mod dielectric;
 mod diffuse;

@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::print;
 use crate::error::Error;
-use crate::output::{self, Format, PngDepth, read_exr};
+use crate::output::{self, Display, Format, PngDepth, read_exr};
 use crate::study::metrics::{Exposure, Image};
 use crate::study::{Comparison, error_map, scale_of};
 
@@ -86,7 +86,7 @@ pub fn run(args: &CompareArgs) -> Result<(), Error> {
     }
     if let Some(path) = &args.diff {
         let top = args.diff_max.unwrap_or_else(|| scale_of(&delta_e));
-        output::write_png(path, &error_map(&delta_e, image.width, "CIEDE2000", top), 0.0, PngDepth::Eight)?;
+        output::write_png(path, &error_map(&delta_e, image.width, "CIEDE2000", top), Display::PLAIN, PngDepth::Eight)?;
     }
     args.judge(&comparison)
 }

@@ -4,10 +4,11 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::file_args::ViewArg;
 use super::say;
 use crate::batch::encode::{EncodePlan, Footage, Target};
 use crate::error::Error;
-use crate::output::Container;
+use crate::output::{Container, Display};
 
 /// Make a video of frames
 ///
@@ -34,6 +35,9 @@ pub struct EncodeArgs {
     /// Brightness of EXR frames, in stops
     #[arg(long, value_name = "EV", default_value_t = 0.0, allow_negative_numbers = true)]
     exposure: f32,
+    /// How EXR frames show colours
+    #[arg(long, value_name = "NAME", value_enum, default_value = "srgb")]
+    view: ViewArg,
     /// Say nothing but errors
     #[arg(short, long)]
     quiet: bool,
@@ -57,7 +61,8 @@ pub fn run(args: &EncodeArgs) -> Result<(), Error> {
         return Err(Error::Usage(format!("{} loses nothing; leave --quality out", args.output.display())));
     }
     let footage = Footage::find(&args.frames)?;
-    let plan = EncodePlan { fps: args.fps, quality: args.quality, exposure_ev: args.exposure };
+    let display = Display { exposure_ev: args.exposure, view: args.view.into() };
+    let plan = EncodePlan { fps: args.fps, quality: args.quality, display };
     let count = footage.encode(&args.output, target, &plan, inform)?;
     let [width, height] = footage.size;
     let seconds = count as f64 / args.fps;

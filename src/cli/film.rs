@@ -10,7 +10,7 @@ use crate::collada::{self, LoadOptions, MissingTexture};
 use crate::color::{Emission, MAX_NM, MIN_NM, Sensor};
 use crate::error::Error;
 use crate::film::Range;
-use crate::output::{self, Format, PngDepth};
+use crate::output::{self, Display, Format, PngDepth};
 use crate::study::{self, Coating, MOST_CURVES, SwatchPlan};
 
 /// What a thin film or a stack reflects and transmits: spectra, colours, swatches, plots
@@ -87,7 +87,7 @@ pub fn run(args: &FilmArgs) -> Result<(), Error> {
 
     if let Some(path) = &args.swatch {
         let picture = study::swatch(&coating, &sensor, &args.swatch_plan(&coating)?);
-        output::write_png(path, &picture, 0.0, PngDepth::Eight)?;
+        output::write_png(path, &picture, Display::PLAIN, PngDepth::Eight)?;
     }
     if let Some(path) = &args.plot {
         let spans = args.wavelengths.as_ref().and_then(|list| span(&list.0)).unwrap_or([MIN_NM, MAX_NM]);
@@ -123,7 +123,7 @@ impl FilmArgs {
         self.check_swatch(path)?;
         let sheet = study::preset_sheet(&Sensor::new(&self.illuminant), self.exposure);
         let sheet = sheet.map_err(|error| usage(error.to_string()))?;
-        output::write_png(path, &sheet, 0.0, PngDepth::Eight)?;
+        output::write_png(path, &sheet, Display::PLAIN, PngDepth::Eight)?;
         Ok(())
     }
 

@@ -4,12 +4,13 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::render::FileArgs;
+use super::file_args::FileArgs;
 use super::{print, say};
+use crate::batch::aov::Layers;
 use crate::batch::merge::Merge;
 use crate::batch::still;
 use crate::error::Error;
-use crate::output;
+use crate::output::{self, Display};
 
 /// Merge the parts that `render --samples` wrote into one picture
 ///
@@ -49,13 +50,15 @@ pub fn run(args: &MergeArgs) -> Result<(), Error> {
         }
     };
     let format = output::check_picture(&args.output)?;
-    args.file.check(&args.output, format)?;
+    args.file.check_merge()?;
     let merge = Merge::plan(&args.parts, args.partial)?;
     let sums = merge.run(|part| inform(&format!("adding {}", part.display())))?;
 
     let frame = sums.into_frame();
-    let look = args.file.look(args.exposure.unwrap_or(merge.header.exposure_ev));
-    let picture = still::picture(&frame, &args.file.aovs(), merge.header.picture.clone());
+    let shown = merge.header.display;
+    let look = args.file.look(Display { exposure_ev: args.exposure.unwrap_or(shown.exposure_ev), ..shown });
+    let layers = Layers::of_frame(&args.file.aovs(), &frame);
+    let picture = still::picture(&frame, layers, merge.header.picture.clone());
     still::write(&args.output, format, &picture, look)?;
     inform(&format!(
         "{}: {}x{}, {} of {} spp from {} parts",

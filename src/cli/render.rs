@@ -1,13 +1,15 @@
 //! `pellicle render`: one picture.
 
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use clap::{Args, ValueEnum};
 use signal_hook::consts::SIGINT;
 
+use super::denoise_args::DenoiseArgs;
+use super::file_args::FileArgs;
 use super::progress::{Progress, ProgressArg};
 use super::raster_args::RasterArgs;
 use super::sampling::{SamplingArgs, Target};
@@ -17,15 +19,16 @@ use super::{print, say};
 use crate::batch::budget::Limited;
 use crate::batch::checkpoint::Saver;
 use crate::batch::live::{Live, Shows};
-use crate::batch::still::{self, Aov, Look, StillPlan};
+use crate::batch::still::{self, StillPlan};
 use crate::batch::{Transport, choose_mode};
 use crate::collada::Warning;
+use crate::denoise::Denoiser;
 use crate::document::{Document, RenderHints};
 use crate::error::Error;
 use crate::film::Rung;
 use crate::integrate::{PathLimits, Strategy};
-use crate::mode::{Mode, Rgb, Spectral};
-use crate::output::{self, Format, PngDepth};
+use crate::mode::{Grouped, Mode, Rgb, Spectral};
+use crate::output::{self, Display};
 use crate::render::{Accumulation, Filter, Plan};
 use crate::scene::{Camera, FilmOptions, Stage};
 
@@ -110,47 +113,12 @@ pub struct PictureArgs {
     #[arg(long, value_name = "EV", allow_negative_numbers = true)]
     exposure: Option<f32>,
     #[command(flatten)]
-    file: FileArgs,
+    pub(super) denoise: DenoiseArgs,
+    #[command(flatten)]
+    pub(super) file: FileArgs,
     /// Most memory for the picture, like `8G` or `500M` [default: what the machine has left]
     #[arg(long, value_name = "SIZE", value_parser = parse_bytes)]
     max_memory: Option<u64>,
-}
-
-/// How picture files are written: shared by every subcommand that writes some.
-#[derive(Args)]
-pub struct FileArgs {
-    /// Bits per channel of PNG pictures
-    #[arg(long, value_name = "BITS", value_parser = ["8", "16"], default_value = "8")]
-    png_depth: String,
-    /// Write 32-bit instead of 16-bit floats to EXR
-    #[arg(long)]
-    float: bool,
-    /// More layers for EXR, with commas between them
-    #[arg(long = "aov", value_name = "LIST", value_enum, value_delimiter = ',')]
-    aovs: Vec<AovArg>,
-}
-
-impl FileArgs {
-    pub fn look(&self, exposure_ev: f32) -> Look {
-        let png_depth = if self.png_depth == "16" { PngDepth::Sixteen } else { PngDepth::Eight };
-        Look { exposure_ev, png_depth, float: self.float }
-    }
-
-    /// Each once.
-    pub fn aovs(&self) -> Vec<Aov> {
-        let mut aovs: Vec<Aov> = self.aovs.iter().map(|AovArg::Variance| Aov::Variance).collect();
-        aovs.dedup();
-        aovs
-    }
-
-    /// PNG cannot hold what EXR can.
-    pub fn check(&self, output: &Path, format: Format) -> Result<(), Error> {
-        if format == Format::Exr || self.aovs.is_empty() {
-            return Ok(());
-        }
-        let problem = format!("{}: PNG has no room for the layers of --aov", output.display());
-        Err(Error::Usage(format!("{problem}; write .exr")))
-    }
 }
 
 /// What is said on the way.
@@ -221,12 +189,6 @@ enum StrategyArg {
     Bsdf,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
-enum AovArg {
-    /// Variance of each pixel's mean (variance.R, variance.G, variance.B)
-    Variance,
-}
-
 fn parse_clamp(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {
         Ok(limit) if limit.is_finite() && limit > 0.0 => Ok(limit),
@@ -246,9 +208,10 @@ fn parse_bytes(text: &str) -> Result<u64, String> {
 pub fn run(args: &RenderArgs) -> Result<(), Error> {
     // Find out now, not after hours, whether the results can be written.
     let target = args.sampling.target(&args.output)?;
-    if let Target::Picture(format) = target {
-        args.picture.file.check(&args.output, format)?;
+    if target == Target::Part {
+        args.picture.file.check_part()?;
     }
+    args.picture.file.check_lights(args.picture.wavelengths(), args.sampling.checkpoint().is_some())?;
     if let Some(stats) = &args.stats {
         output::check_writable(stats)?;
     }
@@ -261,6 +224,8 @@ pub fn run(args: &RenderArgs) -> Result<(), Error> {
 
     let mut plan = args.picture.plan(&document.render);
     args.stops.apply(&mut plan, args.picture.spp, target)?;
+    let denoiser = args.picture.denoise.load(target == Target::Part, &args.talk)?;
+    plan.denoise &= denoiser.is_some();
     let plan = plan;
     let (stage, camera, notes) = still::stage(&document, &plan)?;
     for note in &notes {
@@ -269,8 +234,10 @@ pub fn run(args: &RenderArgs) -> Result<(), Error> {
     let transport = args.picture.transport(&document, &plan, &stage, &camera, &args.talk)?;
     let viewer = args.display.open(&args.output.display().to_string(), camera.window().size())?;
     let shows = args.preview.shows(viewer, preview, plan.look);
-    let job = Job { args, document: &document, plan: &plan, stage: &stage, camera: &camera, target, parse_s };
+    let job = Job { args, document: &document, plan: &plan, stage: &stage, camera: &camera, target, denoiser, parse_s };
     match (transport, args.picture.wavelengths()) {
+        (Transport::Rgb, _) if plan.tells_lights_apart() => job.render::<Grouped<Rgb>>(shows),
+        (Transport::Spectral, _) if plan.tells_lights_apart() => job.render::<Grouped<Spectral<8>>>(shows),
         (Transport::Rgb, _) => job.render::<Rgb>(shows),
         (Transport::Spectral, 4) => job.render::<Spectral<4>>(shows),
         (Transport::Spectral, 16) => job.render::<Spectral<16>>(shows),
@@ -286,6 +253,7 @@ struct Job<'a> {
     stage: &'a Arc<Stage>,
     camera: &'a Camera,
     target: Target,
+    denoiser: Option<Denoiser>,
     parse_s: f64,
 }
 
@@ -328,7 +296,15 @@ impl Job<'_> {
         let frame = sums.into_frame();
         let mut stats = prepared.stats(document, plan, &frame, self.parse_s);
         if let Target::Picture(format) = self.target {
-            let picture = still::picture(&frame, &plan.aovs, prepared.header(document, plan));
+            let mut survey = None;
+            prepared.look(plan, &mut survey, 0..frame.spp)?;
+            let (layers, denoised) = prepared.layers(document, plan, &frame, survey.as_ref(), self.denoiser.as_ref());
+            let denoise_s = denoised.unwrap_or_else(|error| {
+                args.talk.inform(&format!("warning: {error}; the picture stays noisy"));
+                0.0
+            });
+            stats.add_layers(survey.as_ref(), denoise_s);
+            let picture = still::picture(&frame, layers, prepared.header(document, plan));
             let (written, write_s) = still::write(&args.output, format, &picture, plan.look)?;
             stats.finish(&written, write_s);
         }
@@ -466,8 +442,12 @@ impl PictureArgs {
                 clamp: self.clamp,
                 noise: None,
             },
-            look: self.file.look(self.exposure.or(hints.exposure_ev).unwrap_or(0.0)),
+            look: self.file.look(Display {
+                exposure_ev: self.exposure.or(hints.exposure_ev).unwrap_or(0.0),
+                ..Display::default()
+            }),
             aovs: self.file.aovs(),
+            denoise: self.denoise.is_wanted(),
             max_memory: self.max_memory,
         }
     }

@@ -24,10 +24,11 @@ use crate::batch::sequence::{Loading, Motion, Sequence, SequencePlan, Staged};
 use crate::batch::shutter::Shutter;
 use crate::batch::still::{self, StillPlan};
 use crate::batch::{Thumbnail, Transport};
+use crate::denoise::Denoiser;
 use crate::document::Document;
 use crate::error::Error;
-use crate::mode::{Mode, Rgb, Spectral};
-use crate::output::{self, Format};
+use crate::mode::{Grouped, Mode, Rgb, Spectral};
+use crate::output::{self, Display, Format};
 use crate::study::report;
 
 /// Samples per pixel where time or noise end a frame and nobody says how many there may be.
@@ -143,6 +144,7 @@ pub struct Work<'a> {
     talk: &'a TalkArgs,
     start: Instant,
     parse_s: f64,
+    denoiser: Option<Denoiser>,
 }
 
 /// What rendering needs besides the sequence.
@@ -152,7 +154,7 @@ struct Rest<'a> {
     record: Record,
     pattern: Pattern,
     talk: &'a TalkArgs,
-    exposure_ev: f32,
+    display: Display,
     suffix: String,
     video: Option<(PathBuf, Target)>,
     fps: f64,
@@ -167,6 +169,7 @@ impl<'a> Work<'a> {
         args: &'a SequenceArgs,
         talk: &'a TalkArgs,
     ) -> Result<Self, Error> {
+        picture.file.check_lights(picture.wavelengths(), false)?;
         let start = Instant::now();
         let (pattern, inserted) = Pattern::parse(&args.output).map_err(Error::Usage)?;
         if inserted {
@@ -177,11 +180,13 @@ impl<'a> Work<'a> {
         let parse_s = start.elapsed().as_secs_f64();
         talk.warn(&warnings);
         let mut still = picture.plan(&document.render);
+        let denoiser = picture.denoise.load(false, talk)?;
+        still.denoise &= denoiser.is_some();
         if args.has_budget() && picture.spp.is_none() {
             still.render.spp = MOST_SPP;
         }
         let suffix = String::new();
-        Ok(Self { document, suffix, still, pattern, format, scene, picture, args, talk, start, parse_s })
+        Ok(Self { document, suffix, still, pattern, format, scene, picture, args, talk, start, parse_s, denoiser })
     }
 
     /// Renders what is to be rendered. `motion_words` tell motions apart.
@@ -214,7 +219,7 @@ impl<'a> Work<'a> {
             record,
             pattern: self.pattern.clone(),
             talk: self.talk,
-            exposure_ev: self.still.look.exposure_ev,
+            display: self.still.look.display,
             suffix: self.suffix,
             video,
             fps: self.args.fps,
@@ -241,6 +246,7 @@ impl<'a> Work<'a> {
             seed_lock: self.args.seed_lock,
             budget: self.args.budget(),
             shutter: self.args.shutter,
+            denoiser: self.denoiser,
             settings,
         };
         let scene = Staged {
@@ -254,7 +260,10 @@ impl<'a> Work<'a> {
             loading,
             start: self.start,
         };
+        let lights = scene.still.tells_lights_apart();
         match (transport, self.picture.wavelengths.as_str()) {
+            (Transport::Rgb, _) if lights => rest.render(scene.sequence::<Grouped<Rgb>>()?),
+            (Transport::Spectral, _) if lights => rest.render(scene.sequence::<Grouped<Spectral<8>>>()?),
             (Transport::Rgb, _) => rest.render(scene.sequence::<Rgb>()?),
             (Transport::Spectral, "4") => rest.render(scene.sequence::<Spectral<4>>()?),
             (Transport::Spectral, "16") => rest.render(scene.sequence::<Spectral<16>>()?),
@@ -317,7 +326,7 @@ impl Rest<'_> {
     fn encode(&self) -> Result<(), Error> {
         let Some((path, target)) = &self.video else { return Ok(()) };
         let footage = Footage::of(self.all.0.iter().map(|&frame| self.pattern.path(frame)).collect())?;
-        let plan = EncodePlan { fps: self.fps, quality: None, exposure_ev: self.exposure_ev };
+        let plan = EncodePlan { fps: self.fps, quality: None, display: self.display };
         let count = footage.encode(path, *target, &plan, |line| self.talk.inform(line))?;
         self.talk.inform(&format!("{}: {count} frames, {:.2} s", path.display(), count as f64 / self.fps));
         Ok(())
@@ -328,7 +337,7 @@ impl Rest<'_> {
         self.record.finish()?;
         for &frame in &self.all.0 {
             if !thumbnails.iter().any(|(known, _)| *known == frame) {
-                let read = Thumbnail::read(&self.pattern.path(frame), self.exposure_ev);
+                let read = Thumbnail::read(&self.pattern.path(frame), self.display);
                 thumbnails.extend(read.map(|thumbnail| (frame, thumbnail)));
             }
         }

@@ -4,6 +4,7 @@
 mod cie;
 mod difference;
 mod emission;
+mod gamut;
 mod index;
 mod named;
 mod sensor;

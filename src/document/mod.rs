@@ -115,6 +115,18 @@ impl Document {
         under
     }
 
+    /// What a node is called: its id, else its name.
+    pub fn node_name(&self, index: usize) -> String {
+        let named = self.nodes.get(index).and_then(|node| [&node.id, &node.name].into_iter().find(|n| !n.is_empty()));
+        named.map_or_else(|| format!("node {index}"), String::clone)
+    }
+
+    /// A material's id; `default` for what has no material.
+    pub fn material_name(&self, index: usize) -> String {
+        let named = self.materials.get(index).map(|material| &material.id).filter(|id| !id.is_empty());
+        named.map_or_else(|| "default".to_owned(), String::clone)
+    }
+
     /// The middle of all geometry, if that is far from the origin.
     fn far_center(&self) -> Option<Vec3> {
         let placed = self.placements();

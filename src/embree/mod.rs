@@ -1,4 +1,4 @@
-//! Ray tracing by Embree 4: the only room with unsafe code.
+//! Ray tracing by Embree 4: with `denoise` the only room with unsafe code.
 //!
 //! [`AccelBuilder`] takes shapes (triangle meshes, spheres) and places them in the world, directly or as instances that
 //! share one BVH; [`AccelBuilder::build`] gives an [`Accel`], which answers [`Accel::intersect`] and

@@ -4,11 +4,13 @@ mod direct;
 mod path;
 mod seen;
 mod share;
+mod sight;
 mod vertex;
 
 pub use path::Path;
 pub use seen::seen_light;
 pub use share::{GROUP, radiances};
+pub use sight::{Clue, Looker, Sight, Wanted};
 use std::ops::AddAssign;
 
 /// How light is found. All agree in the mean; the others are kept to check the last.

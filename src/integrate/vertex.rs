@@ -57,7 +57,7 @@ impl<'s, M: Mode> Vertex<'s, M> {
 /// The shading frame, its normal on the outward side and bent as far as needed to face the viewer on the side that is
 /// really seen: an interpolated normal near a silhouette may not.
 #[inline]
-fn facing(normal: Vec3, ng: Vec3, toward_viewer: Vec3) -> (Frame, bool) {
+pub(super) fn facing(normal: Vec3, ng: Vec3, toward_viewer: Vec3) -> (Frame, bool) {
     let normal = normal * 1.0f32.copysign(normal.dot(ng));
     let side = 1.0f32.copysign(toward_viewer.dot(ng));
     let cos = normal.dot(toward_viewer) * side;

@@ -1,5 +1,6 @@
 //! The colour mode: what travels along a path. The only place where RGB and spectral transport differ.
 
+mod grouped;
 mod lanes;
 mod paired;
 mod rgb;
@@ -12,6 +13,7 @@ use glam::Vec3;
 use crate::color::{Emission, IndexCurve, Sensor};
 use crate::film::{self, Rung, Side, Split, Stack, Verdict};
 
+pub use grouped::{GROUPS, Grouped};
 pub use lanes::{Lanes, Wide};
 pub use paired::Paired;
 pub use rgb::Rgb;
@@ -35,12 +37,18 @@ pub trait Mode: Copy + Debug + Send + Sync + 'static {
     const NAME: &'static str;
     /// True when [`Mode::waves`] wants a random number.
     const SAMPLES_WAVES: bool;
+    /// Light groups that are told apart; 0: none.
+    const GROUPS: usize = 0;
 
     /// The lanes of one path, from a number in [0, 1).
     fn waves(u: f32) -> Self::Waves;
     /// Lane values of a reflectance or tint given as linear sRGB.
     fn reflectance(rgb: Vec3, waves: &Self::Waves) -> Self::Light;
     fn spectrum(emission: &Emission, sensor: &Sensor) -> Self::Spectrum;
+    /// The same where light groups are told apart.
+    fn group_spectrum(emission: &Emission, _group: usize, sensor: &Sensor) -> Self::Spectrum {
+        Self::spectrum(emission, sensor)
+    }
     /// Lane radiance of a light of this spectrum, tinted and scaled by linear sRGB.
     fn emitted(spectrum: &Self::Spectrum, rgb: Vec3, waves: &Self::Waves) -> Self::Light;
     /// The verdict tells what was chosen; `None` where the mode is exact and there was no choice.
@@ -60,6 +68,10 @@ pub trait Mode: Copy + Debug + Send + Sync + 'static {
     fn collapse(waves: &mut Self::Waves);
     /// What a pixel adds up: linear sRGB under the sensor's white.
     fn to_rgb(light: Self::Light, waves: &Self::Waves, sensor: &Sensor) -> Vec3;
+    /// The part of it that one of the [`GROUPS`](Self::GROUPS) has.
+    fn group_to_rgb(light: &Self::Light, _group: usize, waves: &Self::Waves, sensor: &Sensor) -> Vec3 {
+        Self::to_rgb(*light, waves, sensor)
+    }
 }
 
 /// How a film is to be compiled.

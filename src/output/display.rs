@@ -1,11 +1,34 @@
-//! Picture files as 16-bit sRGB codes, for videos: EXR through our own view transform, PNG as it is.
+//! How pictures are shown; and picture files as 16-bit sRGB codes, for videos: EXR through our own view transform, PNG as
+//! it is.
 
 use std::path::Path;
+
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
 
 use super::error::OutputError;
 use super::exr_read::read_exr;
 use super::picture::Format;
-use super::png::srgb;
+use crate::color::view::View;
+
+/// How linear values are shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Display {
+    /// Brightness in stops.
+    pub exposure_ev: f32,
+    pub view: View,
+}
+
+impl Display {
+    /// As it is, channel by channel: for drawings and data.
+    pub const PLAIN: Self = Self { exposure_ev: 0.0, view: View::None };
+
+    /// The display's signal, 0..1, and whether the colour had to be changed for it ([`View::show`]).
+    pub fn show(self, rgb: [f32; 3]) -> ([f32; 3], bool) {
+        let (signal, outside) = self.view.show(Vec3::from(rgb) * self.exposure_ev.exp2());
+        (signal.to_array(), outside)
+    }
+}
 
 /// sRGB codes, 0 to 65535; rows from the top. 8-bit codes are times 257.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -42,12 +65,11 @@ pub fn picture_size(path: &Path) -> Result<[u32; 2], OutputError> {
     }
 }
 
-/// Reads a PNG (any depth; alpha is ignored) or an EXR (R, G, B over black, times 2^`exposure_ev`, clipped to 0..1, through
-/// the sRGB curve: what `write_png` does).
+/// Reads a PNG (any depth; alpha is ignored) or an EXR (R, G, B over black, shown as `write_png` shows them).
 ///
 /// # Errors
 /// A file that is missing, damaged or of another kind.
-pub fn read_codes(path: &Path, exposure_ev: f32) -> Result<Codes, OutputError> {
+pub fn read_codes(path: &Path, display: Display) -> Result<Codes, OutputError> {
     match Format::of(path)? {
         Format::Png => {
             let decode = || image::ImageReader::open(path)?.with_guessed_format()?.decode();
@@ -57,9 +79,8 @@ pub fn read_codes(path: &Path, exposure_ev: f32) -> Result<Codes, OutputError> {
         }
         Format::Exr => {
             let picture = read_exr(path)?;
-            let gain = exposure_ev.exp2();
-            let code = |value: f32| (srgb(value * gain) * 65_535.0 + 0.5) as u16;
-            let pixels = picture.rgba.iter().map(|&[r, g, b, _]| [r, g, b].map(code)).collect();
+            let codes = |rgb| display.show(rgb).0.map(|signal| (signal * 65_535.0 + 0.5) as u16);
+            let pixels = picture.rgba.iter().map(|&[r, g, b, _]| codes([r, g, b])).collect();
             Ok(Codes { width: picture.width, height: picture.height, pixels })
         }
     }

@@ -5,6 +5,7 @@
 
 mod apng;
 mod atomic;
+mod cryptomatte;
 mod display;
 mod error;
 mod exr_read;
@@ -18,7 +19,8 @@ mod video;
 
 pub use apng::write_apng;
 pub use atomic::{check_writable, write_bytes, write_text};
-pub use display::{Codes, picture_size, read_codes};
+pub use cryptomatte::cryptomatte;
+pub use display::{Codes, Display, picture_size, read_codes};
 pub use error::OutputError;
 pub use exr_read::read_exr;
 pub use exr_write::write_exr;

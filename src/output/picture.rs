@@ -58,7 +58,7 @@ pub enum HeaderValue {
 pub struct Written {
     /// Values beyond the largest half, 65504, that were set to it.
     pub clamped: u64,
-    /// Pixels with a channel below 0 or above 1 (or NaN) that a PNG cannot hold and that were clipped.
+    /// Pixels whose colour a PNG cannot hold and that have another one there ([`View::show`](crate::color::view::View::show)).
     pub out_of_gamut: u64,
 }
 

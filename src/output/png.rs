@@ -10,6 +10,7 @@ use png::{
 };
 
 use super::atomic;
+use super::display::Display;
 use super::error::OutputError;
 use super::picture::{HeaderValue, Picture, Written};
 
@@ -24,16 +25,15 @@ pub enum PngDepth {
     Sixteen,
 }
 
-/// Writes R, G, B (over black) times 2^`exposure_ev`, clipped to 0..1, through the sRGB curve. The header goes into text
-/// chunks; extra layers stay behind. The same picture gives the same bytes.
+/// Writes R, G, B (over black) as a display shows them. The header goes into text chunks; extra layers stay behind. The same
+/// picture gives the same bytes.
 ///
 /// # Errors
 /// Sizes that do not fit, or what the system says; the old file is untouched then.
-pub fn write_png(path: &Path, picture: &Picture, exposure_ev: f32, depth: PngDepth) -> Result<Written, OutputError> {
+pub fn write_png(path: &Path, picture: &Picture, display: Display, depth: PngDepth) -> Result<Written, OutputError> {
     picture.check().map_err(|reason| OutputError::picture(path, reason))?;
-    let gain = exposure_ev.exp2();
-    let out_of_gamut = picture.rgba.iter().filter(|pixel| !in_gamut(pixel, gain)).count() as u64;
-    let bytes = encode(picture, gain, depth).map_err(|error| OutputError::picture(path, error))?;
+    let (signal, out_of_gamut) = pixels(picture, display, depth);
+    let bytes = encode(picture, &signal, depth).map_err(|error| OutputError::picture(path, error))?;
     atomic::save(path, &bytes)?;
     Ok(Written { clamped: 0, out_of_gamut })
 }
@@ -48,14 +48,10 @@ pub(super) fn is_complete(path: &Path) -> bool {
     walk().is_ok()
 }
 
-fn in_gamut(pixel: &[f32; 4], gain: f32) -> bool {
-    pixel[..3].iter().all(|value| (0.0..=1.0).contains(&(value * gain)))
-}
-
 /// Fine enough to state any ratio of a pixel's sides.
 const PIXELS_PER_UNIT: u32 = 10_000;
 
-fn encode(picture: &Picture, gain: f32, depth: PngDepth) -> Result<Vec<u8>, EncodingError> {
+fn encode(picture: &Picture, signal: &[u8], depth: PngDepth) -> Result<Vec<u8>, EncodingError> {
     let mut file = Vec::new();
     let mut encoder = Encoder::new(&mut file, picture.width, picture.height);
     encoder.set_color(ColorType::Rgb);
@@ -84,17 +80,20 @@ fn encode(picture: &Picture, gain: f32, depth: PngDepth) -> Result<Vec<u8>, Enco
         encoder.add_itxt_chunk(name.clone(), value)?;
     }
     let mut writer = encoder.write_header()?;
-    writer.write_image_data(&pixels(picture, gain, depth))?;
+    writer.write_image_data(signal)?;
     writer.finish()?;
     Ok(file)
 }
 
-fn pixels(picture: &Picture, gain: f32, depth: PngDepth) -> Vec<u8> {
+/// The file's values, and how many pixels have a colour that is none of sRGB.
+fn pixels(picture: &Picture, display: Display, depth: PngDepth) -> (Vec<u8>, u64) {
+    let mut out_of_gamut = 0;
     let width = picture.width as usize;
     let mut bytes = Vec::with_capacity(picture.rgba.len() * 6);
     for (index, pixel) in picture.rgba.iter().enumerate() {
-        for (channel, value) in pixel[..3].iter().enumerate() {
-            let code = srgb(value * gain);
+        let (signal, outside) = display.show([pixel[0], pixel[1], pixel[2]]);
+        out_of_gamut += u64::from(outside);
+        for (channel, code) in signal.into_iter().enumerate() {
             match depth {
                 PngDepth::Eight => {
                     let dither = threshold((index % width) as u32, (index / width) as u32, channel as u32);
@@ -104,14 +103,7 @@ fn pixels(picture: &Picture, gain: f32, depth: PngDepth) -> Vec<u8> {
             }
         }
     }
-    bytes
-}
-
-/// The sRGB curve (IEC 61966-2-1), clipped to 0..1; NaN becomes 0.
-pub(super) fn srgb(linear: f32) -> f32 {
-    let linear = linear.clamp(0.0, 1.0);
-    // 1.055 p - 0.055, written so that 1 gives 1 to the last bit.
-    if linear <= 0.003_130_8 { 12.92 * linear } else { 1.0 + 1.055 * (linear.powf(1.0 / 2.4) - 1.0) }
+    (bytes, out_of_gamut)
 }
 
 /// What is added before cutting to whole numbers: in 0..1, evenly spread over any neighbourhood. Roberts's R2 sequence along

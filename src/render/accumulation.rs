@@ -183,10 +183,18 @@ impl Accumulation {
         let noise = Noise::of(&self.tiles, self.samples.start);
         let (noise, noise_p95) = (noise.of_picture(&self.tiles), noise.p95(&self.tiles, self.samples.start));
         let mut variance = vec![[0.0; 3]; rgb.len()];
+        let mut samples = vec![0; rgb.len()];
+        let parts = self.tiles.first().map_or(0, |tile| tile.lights.len() / tile.sums.len());
+        let mut groups = vec![vec![[0.0; 3]; rgb.len()]; parts];
         for tile in &self.tiles {
+            let own = tile.next - self.samples.start;
             for pixel in 0..tile.sums.len() {
                 let Some(index) = self.window.index_of(tile.place(pixel as u32)) else { continue };
-                let channels = tile.sums.estimate(pixel, tile.next - self.samples.start);
+                samples[index] = own;
+                for (group, mean) in groups.iter_mut().zip(tile.light_means(pixel, own)) {
+                    group[index] = mean;
+                }
+                let channels = tile.sums.estimate(pixel, own);
                 variance[index] = channels.map(|(_, variance)| variance as f32);
             }
         }
@@ -199,10 +207,12 @@ impl Accumulation {
             window,
             spp,
             total,
+            samples,
             rgb,
             variance,
             noise,
             noise_p95,
+            groups,
             tally,
             threads,
             render_s,

@@ -16,6 +16,8 @@ pub struct Frame {
     pub spp: u32,
     /// Samples of all pixels together.
     pub total: u64,
+    /// Samples that each pixel has.
+    pub samples: Vec<u32>,
     pub rgb: Vec<[f32; 3]>,
     /// Variance of each pixel's mean, per channel, as if its samples were independent; infinite below two samples.
     pub variance: Vec<[f32; 3]>,
@@ -25,6 +27,8 @@ pub struct Frame {
     /// The relative standard error that 95 % of the pixels stay below, each with the error of its surroundings against its
     /// own luminance or a tenth of the picture's mean, whichever is more.
     pub noise_p95: f64,
+    /// The part of each light group, where they are told apart.
+    pub groups: Vec<Vec<[f32; 3]>>,
     pub tally: Tally,
     pub threads: usize,
     /// Wall and user + system seconds of rendering alone.

@@ -12,6 +12,7 @@ mod filter;
 mod frame;
 mod noise;
 mod sums;
+mod survey;
 mod tile;
 
 pub use accumulation::{Accumulation, Block};
@@ -20,12 +21,15 @@ pub use clock::{CpuClock, available_memory, peak_rss_mb};
 pub use doublings::Doublings;
 pub use filter::Filter;
 pub use frame::Frame;
-use glam::Vec2;
+use glam::{DVec3, Vec2};
 use rayon::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 use sums::Samples;
 pub use sums::Totals;
+pub use survey::{FAR_M, Seen, Survey};
 use thiserror::Error;
 
+use crate::embree::Ray;
 use crate::integrate::{GROUP, Path, PathLimits, Tally, radiances};
 use crate::math::Sampler;
 use crate::mode::{Lanes, Mode};
@@ -77,13 +81,16 @@ pub enum RenderError {
 /// Bytes per pixel at the peak, where the sums become a [`Frame`]: 76 by their types, with room for the rest.
 /// (Tiles that go on in 128 bits take 48 more; they are those of lamps and fireflies.)
 const BYTES_PER_PIXEL: u64 = 80;
+/// What a [`Survey`], or the sums of light groups, and the layers that are made of them take besides.
+const LAYER_BYTES_PER_PIXEL: u64 = 240;
 
 /// Refuses pictures that would not fit into `limit` bytes: a failed allocation could only abort the program, after hours.
 ///
 /// # Errors
 /// The bytes that the picture needs and those that there are.
-pub fn check_memory([width, height]: [u32; 2], limit: u64) -> Result<(), RenderError> {
-    let bytes = u64::from(width) * u64::from(height) * BYTES_PER_PIXEL;
+pub fn check_memory([width, height]: [u32; 2], layered: bool, limit: u64) -> Result<(), RenderError> {
+    let per_pixel = BYTES_PER_PIXEL + if layered { LAYER_BYTES_PER_PIXEL } else { 0 };
+    let bytes = u64::from(width) * u64::from(height) * per_pixel;
     if bytes > limit { Err(RenderError::Memory { width, height, bytes, limit }) } else { Ok(()) }
 }
 
@@ -114,10 +121,7 @@ pub fn accumulate<M: Mode>(
     sums: &mut Accumulation,
     watch: &dyn Watch,
 ) -> Result<bool, RenderError> {
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(plan.threads)
-        .build()
-        .map_err(|e| RenderError::Threads { threads: plan.threads, reason: e.to_string() })?;
+    let pool = pool(plan)?;
     sums.threads = pool.current_num_threads();
     let camera = &camera.settled(scene);
     let clock = std::time::Instant::now();
@@ -155,6 +159,11 @@ pub fn accumulate<M: Mode>(
     Ok(!watch.stop() || !sums.wants_more(plan.noise))
 }
 
+fn pool(plan: &Plan) -> Result<ThreadPool, RenderError> {
+    let failed = |e: ThreadPoolBuildError| RenderError::Threads { threads: plan.threads, reason: e.to_string() };
+    ThreadPoolBuilder::new().num_threads(plan.threads).build().map_err(failed)
+}
+
 fn render_tile<M: Mode>(
     scene: &Scene<M>,
     camera: &Camera,
@@ -167,18 +176,36 @@ fn render_tile<M: Mode>(
         Some(edges) => edges,
         None => Edges::find(scene, camera, plan, tile, &mut tally),
     };
+    let mut lights = std::mem::take(&mut tile.lights);
+    lights.resize(tile.sums.len() * M::GROUPS, DVec3::ZERO);
     for group in tile.groups() {
         let mut sums: [Samples; GROUP] = Default::default();
         for index in samples.clone() {
-            render_group(scene, camera, plan, (tile, &edges), &group, index, &mut sums, &mut tally);
+            render_group(scene, camera, plan, (tile, &edges), &group, index, &mut sums, &mut lights, &mut tally);
         }
         for (&member, sum) in group.iter().zip(&sums) {
             tile.sums.add_samples(member as usize, sum);
         }
     }
+    tile.lights = lights;
     tile.edges = Some(edges);
     tile.next = samples.end;
     tally
+}
+
+/// The number by which a pixel draws its samples.
+#[inline]
+fn number(camera: &Camera, [x, y]: [u32; 2]) -> u32 {
+    y.wrapping_mul(camera.size[0]).wrapping_add(x)
+}
+
+/// The camera ray of one sample of a pixel, and the numbers that its path goes on with.
+#[inline]
+fn camera_sample(camera: &Camera, plan: &Plan, [x, y]: [u32; 2], index: u32) -> (Ray, Sampler) {
+    let mut sampler = Sampler::new(number(camera, [x, y]), index, plan.seed);
+    let [u_x, u_y, lens_x, lens_y] = sampler.next_4d();
+    let offset = Vec2::new(plan.filter.sample(u_x), plan.filter.sample(u_y));
+    (camera.ray(Vec2::new(x as f32, y as f32) + 0.5 + offset, [lens_x, lens_y]), sampler)
 }
 
 /// Adds one sample to the sums of each pixel of a group.
@@ -192,9 +219,10 @@ fn render_group<M: Mode>(
     group: &[u32],
     index: u32,
     sums: &mut [Samples; GROUP],
+    lights: &mut [DVec3],
     tally: &mut Tally,
 ) {
-    let number = |[x, y]: [u32; 2]| y.wrapping_mul(camera.size[0]).wrapping_add(x);
+    let number = |place| number(camera, place);
     // All paths of a group carry the same wavelengths: they look at each other's finds.
     let waves = match group.first() {
         Some(&first) if M::SAMPLES_WAVES => {
@@ -205,12 +233,9 @@ fn render_group<M: Mode>(
     let mut paths = ArrayVec::<Path<M>, GROUP>::new();
     for &member in group {
         let [x, y] = tile.place(member);
-        let mut sampler = Sampler::new(number([x, y]), index, plan.seed);
-        let [u_x, u_y, lens_x, lens_y] = sampler.next_4d();
-        let offset = Vec2::new(plan.filter.sample(u_x), plan.filter.sample(u_y));
-        let position = Vec2::new(x as f32, y as f32) + 0.5 + offset;
+        let (ray, sampler) = camera_sample(camera, plan, [x, y], index);
         let blind = edges.cross(x - tile.x0, y - tile.y0);
-        paths.push(Path::new(camera.ray(position, [lens_x, lens_y]), camera.interior, waves, sampler, blind));
+        paths.push(Path::new(ray, camera.interior, waves, sampler, blind));
     }
     radiances(scene, &mut paths, &plan.limits, tally);
     for (&member, path) in group.iter().zip(&mut paths) {
@@ -219,12 +244,18 @@ fn render_group<M: Mode>(
             path.radiance += edge::seen_sample(scene, camera, plan, ([x, y], number([x, y])), index, &waves, tally);
         }
     }
-    for (path, sum) in paths.iter().zip(sums) {
+    for ((path, sum), &member) in paths.iter().zip(sums).zip(group) {
         if path.radiance.is_finite() {
             let mut rgb = M::to_rgb(path.radiance, &path.waves, &scene.stage.sensor);
+            let mut scale = 1.0;
             if let Some(limit) = plan.clamp.filter(|&limit| rgb.abs().max_element() > limit) {
-                rgb *= limit / rgb.abs().max_element();
+                scale = limit / rgb.abs().max_element();
+                rgb *= scale;
                 tally.clamped += 1;
+            }
+            for number in 0..M::GROUPS {
+                let part = M::group_to_rgb(&path.radiance, number, &path.waves, &scene.stage.sensor) * scale;
+                lights[member as usize * M::GROUPS + number] += part.as_dvec3();
             }
             tally.beyond_range += u64::from(!sum.add(rgb));
         } else {

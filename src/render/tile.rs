@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use arrayvec::ArrayVec;
+use glam::DVec3;
 
 use super::doublings::Doublings;
 use super::edge::Edges;
@@ -24,6 +25,8 @@ pub struct Tile {
     pub goal: u32,
     pub sums: Sums,
     pub doublings: Doublings,
+    /// Of each pixel the sums of each light group; empty where they are not told apart.
+    pub lights: Vec<DVec3>,
     /// Found with the first samples.
     pub edges: Option<Edges>,
 }
@@ -43,6 +46,13 @@ impl Tile {
             groups[(block * BLOCK + (x + 3 * y) % BLOCK) as usize].push(pixel);
         }
         groups
+    }
+
+    /// What each light group has in a pixel: the mean of `spp` samples.
+    pub fn light_means(&self, pixel: usize, spp: u32) -> impl Iterator<Item = [f32; 3]> + '_ {
+        let count = self.lights.len() / self.sums.len();
+        let share = 1.0 / f64::from(spp.max(1));
+        self.lights[pixel * count..][..count].iter().map(move |sum| (*sum * share).as_vec3().to_array())
     }
 
     pub fn height(&self) -> u32 {
@@ -69,7 +79,8 @@ impl Tile {
             }
             let sums = Sums::new((tile_width * tile_height) as usize);
             let (next, goal) = (samples.start, samples.end);
-            Some(Self { x0, y0, width: tile_width, next, goal, sums, doublings: Doublings::default(), edges: None })
+            let (doublings, lights) = (Doublings::default(), Vec::new());
+            Some(Self { x0, y0, width: tile_width, next, goal, sums, doublings, lights, edges: None })
         };
         places.into_iter().filter_map(tile).collect()
     }

@@ -7,6 +7,7 @@ use glam::{Affine3A, Mat3, Mat4, Vec3};
 
 use super::BuildError;
 use super::environment::{Sky, SkyImage};
+use super::groups::LightGroups;
 use super::light::{Emitter, Source};
 use super::lighting::{self, PlacedLight};
 use super::surface::{Body, Glow, NO_MAPS, Part, Place, Shading, UV_SLOTS, normal_matrix};
@@ -43,10 +44,15 @@ pub(super) struct Built {
 /// places, materials and emitters keep their numbers.
 pub(super) struct Assembly<'a> {
     pub ground: Ground<'a>,
+    pub groups: &'a LightGroups,
+    /// The group of what is added right now.
+    pub group: usize,
     /// For each placement, whether it may move later; shorter or empty: the others do not.
     pub moving: &'a [bool],
     /// Whether what is placed right now is one of those: it becomes an instance then.
     pub mobile: bool,
+    /// The document's node that is placed right now.
+    pub node: u32,
     pub places: Vec<Place>,
     /// The document's materials, a grey one for what has none, and a black one per area light.
     pub materials: Vec<document::Material>,
@@ -54,17 +60,20 @@ pub(super) struct Assembly<'a> {
     pub glows: Vec<Option<Glow>>,
     pub emitters: Vec<Emitter>,
     /// The distinct spectra of all lights.
-    pub spectra: Vec<Emission>,
+    pub spectra: Vec<(Emission, usize)>,
     /// One weight per emitter; NaN marks distant ones, which are weighed when the scene's size is known.
     pub power: Vec<f32>,
 }
 
 impl<'a> Assembly<'a> {
-    pub fn new(ground: Ground<'a>, moving: &'a [bool]) -> Self {
+    pub fn new(ground: Ground<'a>, moving: &'a [bool], groups: &'a LightGroups) -> Self {
         Self {
             ground,
+            groups,
+            group: 0,
             moving,
             mobile: false,
+            node: 0,
             places: Vec::new(),
             materials: Vec::new(),
             glows: Vec::new(),
@@ -84,12 +93,14 @@ impl<'a> Assembly<'a> {
         again: Option<(Option<Box<SkyImage>>, Mat3)>,
     ) -> Result<(), BuildError> {
         let fallback = document::Material { opacity: document::Scalar::constant(1.0), ..document::Material::default() };
-        for material in document.materials.iter().chain([&fallback]) {
+        for (number, material) in document.materials.iter().chain([&fallback]).enumerate() {
+            self.group = self.groups.of_material(number);
             self.add_material(material.clone());
         }
         self.place_geometry(document, placements)?;
         self.place_lights(document, placements)?;
         let Some(environment) = &document.environment else { return Ok(()) };
+        self.group = self.groups.of_environment();
         let tint = self.source(environment.radiance * environment.strength, &environment.spectrum);
         let (image, turn) = again.unwrap_or((None, Mat3::IDENTITY));
         let sky = match environment.image {
@@ -123,9 +134,9 @@ impl<'a> Assembly<'a> {
     }
 
     fn spectrum(&mut self, emission: &Emission) -> u32 {
-        let known = self.spectra.iter().position(|s| s == emission);
+        let known = self.spectra.iter().position(|(known, group)| known == emission && *group == self.group);
         known.unwrap_or_else(|| {
-            self.spectra.push(emission.clone());
+            self.spectra.push((emission.clone(), self.group));
             self.spectra.len() - 1
         }) as u32
     }
@@ -142,6 +153,7 @@ impl<'a> Assembly<'a> {
         let mut shared: Vec<Option<Held>> = vec![None; document.geometries.len()];
         for (number, (node, to_world)) in placements.iter().enumerate() {
             self.mobile = self.moving.get(number).copied().unwrap_or(false);
+            self.node = *node as u32;
             for item in &document.nodes[*node].items {
                 let Item::Geometry { geometry: index, bindings } = item else { continue };
                 let geometry = &document.geometries[*index];
@@ -247,6 +259,7 @@ impl<'a> Assembly<'a> {
     /// Adds a place with the emitters of its shining parts.
     fn add_place(&mut self, mut place: Place, mesh: Option<&Mesh>, object_to_world: &Affine3A) {
         let number = self.places.len() as u32;
+        place.node = self.node;
         match (mesh, &place.body) {
             (Some(mesh), _) => {
                 // What the file holds may be mirrored where Embree holds it as it is.
@@ -314,8 +327,10 @@ impl<'a> Assembly<'a> {
     pub fn place_lights(&mut self, document: &Document, placements: &[(usize, Mat4)]) -> Result<(), BuildError> {
         for (number, (node, to_world)) in placements.iter().enumerate() {
             self.mobile = self.moving.get(number).copied().unwrap_or(false);
+            self.node = *node as u32;
             for item in &document.nodes[*node].items {
                 if let Item::Light(index) = item {
+                    self.group = self.groups.of_light(*index);
                     let light = &document.lights[*index];
                     let placed = PlacedLight { light, to_world: Affine3A::from_mat4(*to_world) };
                     lighting::place_light(self, &placed)?;

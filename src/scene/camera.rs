@@ -202,6 +202,11 @@ impl Camera {
         Self { pixel_aspect: raster.pixel_aspect, ..Self::looking(eye, -backward, Vec3::Y, half, false, size) }
     }
 
+    /// Distance of a point from the eye along the viewing direction, metres.
+    pub fn depth_m(&self, position: Vec3) -> f32 {
+        (position - self.origin).dot(self.forward)
+    }
+
     /// The ray through a point of the picture, in pixels from the upper left corner; `u` picks the point on the lens.
     #[inline]
     pub fn ray(&self, pixel: Vec2, u: [f32; 2]) -> Ray {

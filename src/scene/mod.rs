@@ -6,6 +6,7 @@
 mod assembly;
 mod camera;
 mod environment;
+mod groups;
 mod light;
 mod lighting;
 mod material;
@@ -21,7 +22,8 @@ use std::sync::Arc;
 use std::time::Instant;
 
 pub use camera::{Camera, Framing, Placed, cameras};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
+pub use groups::LightGroups;
 use light::Source;
 pub use light::{LightAt, LightSample, Lights};
 pub use material::Material;
@@ -33,9 +35,9 @@ pub use surface::{Place, Surface};
 use texture::{Texture, lookup_rgb, scalar};
 use thiserror::Error;
 
-use crate::color::IndexError;
+use crate::color::{Emission, IndexError};
 use crate::document::Document;
-use crate::embree::{EmbreeError, Hits, Ray};
+use crate::embree::{EmbreeError, Hit, Hits, Ray};
 use crate::film::{Rung, Verdict};
 use crate::math::Frame;
 use crate::mode::{Lanes, Mode};
@@ -89,7 +91,8 @@ impl<M: Mode> Scene<M> {
         let compile = |material| Material::<M>::new(material, &material::AIR, &stage.sensor, options);
         let materials = stage.materials.iter().map(compile).collect::<Result<Vec<_>, _>>()?;
         let nesting = Nesting::new(&stage, options)?;
-        let spectra = stage.spectra.iter().map(|emission| M::spectrum(emission, &stage.sensor)).collect();
+        let compile = |(emission, group): &(Emission, usize)| M::group_spectrum(emission, *group, &stage.sensor);
+        let spectra = stage.spectra.iter().map(compile).collect();
         let lets_through = nesting.is_some() || materials.iter().any(Material::lets_through);
         let materials_s = start.elapsed().as_secs_f64();
         Ok(Self { stage, materials, spectra, nesting, lets_through, materials_s })
@@ -142,6 +145,18 @@ impl<M: Mode> Scene<M> {
     pub fn surface(&self, hits: &Hits, lane: usize) -> Option<Surface<'_>> {
         let hit = hits.get(lane)?;
         Some(Surface::new(&self.stage.accel, &self.stage.places[hit.place() as usize], &hit))
+    }
+
+    /// Of all films of the material at a surface point together, nm; 0 where there is none.
+    pub fn film_nm(&self, surface: &Surface) -> f32 {
+        let films = &self.stage.materials[surface.material as usize].films;
+        films.iter().map(|film| film.thickness.at(surface, self.textures())).sum()
+    }
+
+    /// Texture coordinates of the surface that a ray of a batch met, whether or not its material has maps.
+    pub fn uv(&self, hits: &Hits, lane: usize) -> Vec2 {
+        let uv = |hit: Hit| self.stage.places[hit.place() as usize].uv(&self.stage.accel, &hit);
+        hits.get(lane).map_or(Vec2::ZERO, uv)
     }
 
     /// True when shadow rays must look at what they meet ([`Scene::transmittance`]) instead of only whether they meet

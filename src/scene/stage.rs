@@ -8,6 +8,7 @@ use glam::{Mat3, Mat4, Vec3};
 use super::BuildError;
 use super::assembly::{Assembly, Built, Ground};
 use super::environment::Sky;
+use super::groups::LightGroups;
 use super::light::{Emitter, Lights};
 use super::lighting;
 use super::nesting::Together;
@@ -25,9 +26,12 @@ pub struct Stage {
     /// What each material emits.
     pub(super) glows: Vec<Option<Glow>>,
     pub(super) textures: Vec<Arc<Texture>>,
-    /// The distinct spectra of all lights, by the numbers that sources carry.
-    pub spectra: Vec<Emission>,
+    /// The distinct spectra of all lights, each with the light group that shines in it, by the numbers that sources carry.
+    pub spectra: Vec<(Emission, usize)>,
+    pub groups: LightGroups,
     pub lights: Lights,
+    /// What looks white in the picture, and the sensor for which it does.
+    pub white: Emission,
     pub sensor: Sensor,
     /// Corners of a box around everything, world space; a unit box when the scene is empty.
     pub bounds: (Vec3, Vec3),
@@ -96,15 +100,21 @@ impl Stage {
     /// # Errors
     /// An image that cannot be decoded, or Embree running out of memory.
     pub fn new(document: &Document, threads: usize) -> Result<Self, BuildError> {
-        Self::movable(document, threads, Vec::new())
+        Self::movable(document, threads, Vec::new(), LightGroups::default())
     }
 
     /// A stage of which parts can [`pose`](Self::pose) later: `moving` tells for each of the document's placements whether
-    /// it may. What may move is placed as an instance, which is slower to trace.
+    /// it may. What may move is placed as an instance, which is slower to trace. `groups` tells lights apart, where that is
+    /// wanted.
     ///
     /// # Errors
     /// As [`Stage::new`].
-    pub fn movable(document: &Document, threads: usize, moving: Vec<bool>) -> Result<Self, BuildError> {
+    pub fn movable(
+        document: &Document,
+        threads: usize,
+        moving: Vec<bool>,
+        groups: LightGroups,
+    ) -> Result<Self, BuildError> {
         let start = Instant::now();
         let decode = |image| Texture::load(image).map(Arc::new);
         let textures = document.images.iter().map(decode).collect::<Result<Vec<_>, _>>()?;
@@ -113,12 +123,13 @@ impl Stage {
         let start = Instant::now();
         let placements = document.placements();
         let mut builder = AccelBuilder::new(threads)?;
-        let mut assembly = Assembly::new(Ground::New(&mut builder), &moving);
+        let mut assembly = Assembly::new(Ground::New(&mut builder), &moving, &groups);
         assembly.gather(document, &placements, &textures, None)?;
         let Assembly { places, materials, glows, emitters, spectra, mut power, .. } = assembly;
         let accel = builder.build()?;
         let bounds = accel.bounds().unwrap_or(NOTHING);
         lighting::weigh_distant(&emitters, &mut power, bounds);
+        let white = lighting::white(document, &placements);
         Ok(Self {
             accel,
             places,
@@ -126,8 +137,10 @@ impl Stage {
             glows,
             textures,
             spectra,
+            groups,
             lights: Lights::new(emitters, &power),
-            sensor: Sensor::new(&lighting::white(document, &placements)),
+            sensor: Sensor::new(&white),
+            white,
             bounds,
             moving,
             stale: false,
@@ -150,7 +163,7 @@ impl Stage {
         });
         let places = std::mem::take(&mut self.places).into_iter();
         let mut built = Built { places, moves: Vec::new(), stale: self.stale };
-        let mut assembly = Assembly::new(Ground::Built(&mut built), &self.moving);
+        let mut assembly = Assembly::new(Ground::Built(&mut built), &self.moving, &self.groups);
         assembly.gather(document, &pose.placements, &self.textures, Some((sky, pose.sky)))?;
         let Assembly { places, materials, glows, emitters, spectra, mut power, .. } = assembly;
         (self.places, self.materials, self.glows, self.spectra) = (places, materials, glows, spectra);

@@ -10,6 +10,8 @@ use crate::embree::{Accel, Hit, Shape};
 
 /// A shape in the world, as shading sees it.
 pub struct Place {
+    /// The document's node that it stands in.
+    pub node: u32,
     pub shape: Shape,
     pub body: Body,
     /// World from the coordinates that Embree holds; identity where they are world coordinates.
@@ -177,8 +179,7 @@ impl<'s> Surface<'s> {
         let ng = (place.normal_to_world * hit.ng).normalize();
         let mut uv = Vec2::ZERO;
         if part.uv_sets[0] != NO_MAPS {
-            let local = (place.to_object.transform_vector3(ng)).normalize();
-            uv = Vec2::new(0.5 + local.z.atan2(local.x) / TAU, 0.5 + local.y.clamp(-1.0, 1.0).asin() / PI);
+            uv = sphere_uv(place, ng);
         }
         Self {
             position,
@@ -210,6 +211,7 @@ impl Place {
     /// `to_world` maps what Embree holds, `object_to_world` what the file holds.
     pub fn new(shape: Shape, body: Body, parts: Vec<Part>, to_world: Affine3A, object_to_world: Affine3A) -> Self {
         let mut place = Self {
+            node: u32::MAX,
             shape,
             body,
             to_world,
@@ -241,11 +243,33 @@ impl Place {
         &self.parts[index.min(self.parts.len() - 1)]
     }
 
+    /// Texture coordinates of a hit, whether or not the material there has maps: those of the maps, else of the first set.
+    pub fn uv(&self, accel: &Accel, hit: &Hit) -> Vec2 {
+        match &self.body {
+            Body::Sphere { .. } => sphere_uv(self, (self.normal_to_world * hit.ng).normalize()),
+            Body::Mesh(shading) => {
+                let set = match self.part(hit.prim).uv_sets[0] {
+                    NO_MAPS => 0,
+                    set => set as usize,
+                };
+                let Some(uvs) = shading.uv_sets.get(set) else { return Vec2::ZERO };
+                let [t0, t1, t2] = accel.triangles(self.shape)[hit.prim as usize].map(|i| uvs[i as usize]);
+                t0 * (1.0 - hit.u - hit.v) + t1 * hit.u + t2 * hit.v
+            }
+        }
+    }
+
     /// Bound on the rounding error of a world coordinate, given the largest coordinate before the transform.
     #[inline]
     fn rounding_m(&self, largest: f32) -> f32 {
         (largest * self.scale + Vec3::from(self.to_world.translation).abs().max_element()) * POSITION_ERROR
     }
+}
+
+/// Longitude and latitude in the object's own coordinates, each over 0..1.
+fn sphere_uv(place: &Place, ng: Vec3) -> Vec2 {
+    let local = (place.to_object.transform_vector3(ng)).normalize();
+    Vec2::new(0.5 + local.z.atan2(local.x) / TAU, 0.5 + local.y.clamp(-1.0, 1.0).asin() / PI)
 }
 
 /// The inverse transpose, which maps normals.

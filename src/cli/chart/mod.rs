@@ -8,7 +8,7 @@ use std::path::Path;
 use clap::{Args, Subcommand};
 
 use crate::error::Error;
-use crate::output::{self, Picture, PngDepth};
+use crate::output::{self, Display, Picture, PngDepth};
 
 /// Chart error against time: of film models, or of whole renders
 #[derive(Args)]
@@ -47,7 +47,7 @@ fn check_base(base: &Path) -> Result<(), Error> {
 fn write(base: &Path, csv: &str, svg: &str, png: &Picture) -> Result<(), Error> {
     output::write_text(&named(base, "csv"), csv)?;
     output::write_text(&named(base, "svg"), svg)?;
-    output::write_png(&named(base, "png"), png, 0.0, PngDepth::Eight)?;
+    output::write_png(&named(base, "png"), png, Display::PLAIN, PngDepth::Eight)?;
     Ok(())
 }
 

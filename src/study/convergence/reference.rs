@@ -7,7 +7,8 @@ use sha2::{Digest, Sha256};
 
 use super::shot::{Setting, Shot};
 use crate::batch::Transport;
-use crate::batch::still::{Aov, StillPlan};
+use crate::batch::aov::VARIANCE;
+use crate::batch::still::StillPlan;
 use crate::error::Error;
 use crate::film::Rung;
 use crate::output::{HeaderValue, Layer, LayerKind, Picture, read_exr, write_exr};
@@ -166,7 +167,7 @@ impl Reference {
     fn picture(&self) -> Picture {
         let rgba = self.image.rgb.iter().map(|&[r, g, b]| [r as f32, g as f32, b as f32, 1.0]).collect();
         let variance = self.image.variance.iter().flat_map(|variance| {
-            Aov::Variance.channels().into_iter().enumerate().map(|(c, name)| Layer {
+            VARIANCE.into_iter().enumerate().map(|(c, name)| Layer {
                 name: name.to_owned(),
                 kind: LayerKind::Float,
                 data: variance.iter().map(|value| value[c] as f32).collect(),

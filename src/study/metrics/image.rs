@@ -1,6 +1,6 @@
 //! A picture as the metrics see it.
 
-use crate::batch::still::Aov;
+use crate::batch::aov::VARIANCE;
 use crate::output::Picture;
 use crate::render::Frame;
 
@@ -17,7 +17,7 @@ pub struct Image {
 impl From<&Picture> for Image {
     fn from(picture: &Picture) -> Self {
         let layer = |name: &str| picture.layers.iter().find(|layer| layer.name == name).map(|layer| &layer.data);
-        let variance = match Aov::Variance.channels().map(layer) {
+        let variance = match VARIANCE.map(layer) {
             [Some(r), Some(g), Some(b)] => {
                 Some(r.iter().zip(g).zip(b).map(|((&r, &g), &b)| [r, g, b].map(f64::from)).collect())
             }
