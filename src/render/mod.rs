@@ -23,7 +23,7 @@ use sums::Samples;
 pub use sums::Totals;
 use thiserror::Error;
 
-use crate::integrate::{GROUP, Path, PathLimits, Tally, radiances};
+use crate::integrate::{GROUP, Guide, Path, PathLimits, Strategy, Tally, radiances};
 use crate::math::Sampler;
 use crate::mode::{Lanes, Mode};
 use crate::scene::{Camera, Scene};
@@ -113,6 +113,7 @@ pub fn accumulate<M: Mode>(
     sums.threads = pool.current_num_threads();
     let clock = std::time::Instant::now();
     let cpu_clock = CpuClock::start();
+    let view = View { scene, camera, plan, guide: pool.install(|| guide(scene, camera, plan)) };
     let total = sums.samples.end - sums.samples.start;
     let mut done = sums.spp();
     while done < total && !watch.stop() {
@@ -130,7 +131,7 @@ pub fn accumulate<M: Mode>(
                         return Tally::default();
                     }
                     let samples = tile.next..end;
-                    let tally = render_tile(scene, camera, plan, tile, samples.clone());
+                    let tally = render_tile(&view, tile, samples.clone());
                     watch.advanced(samples.len() as u64 * tile.sums.len() as u64);
                     tally
                 })
@@ -145,13 +146,28 @@ pub fn accumulate<M: Mode>(
     Ok(())
 }
 
-fn render_tile<M: Mode>(
-    scene: &Scene<M>,
-    camera: &Camera,
-    plan: &Plan,
-    tile: &mut Tile,
-    samples: std::ops::Range<u32>,
-) -> Tally {
+/// What every sample of a render needs.
+struct View<'a, M: Mode> {
+    scene: &'a Scene<M>,
+    camera: &'a Camera,
+    plan: &'a Plan,
+    guide: Option<Guide>,
+}
+
+/// Photons are a small part of a picture's rays.
+const PIXELS_PER_PHOTON: u32 = 4;
+const MAX_PHOTONS: u32 = 1 << 16;
+
+/// Where to look for caustics. Depends on the size of the picture, never on its samples.
+fn guide<M: Mode>(scene: &Scene<M>, camera: &Camera, plan: &Plan) -> Option<Guide> {
+    let [width, height] = camera.size;
+    let photons = (width.saturating_mul(height) / PIXELS_PER_PHOTON).min(MAX_PHOTONS);
+    let photons = (photons as f32 * crate::integrate::env("PH", 1.0)) as u32;
+    if plan.limits.strategy == Strategy::Shared { Guide::new(scene, photons) } else { None }
+}
+
+fn render_tile<M: Mode>(view: &View<M>, tile: &mut Tile, samples: std::ops::Range<u32>) -> Tally {
+    let View { scene, camera, plan, .. } = view;
     let mut tally = Tally::default();
     let edges = match tile.edges.take() {
         Some(edges) => edges,
@@ -160,7 +176,7 @@ fn render_tile<M: Mode>(
     for group in tile.groups() {
         let mut sums: [Samples; GROUP] = Default::default();
         for index in samples.clone() {
-            render_group(scene, camera, plan, (tile, &edges), &group, index, &mut sums, &mut tally);
+            render_group(view, (tile, &edges), &group, index, &mut sums, &mut tally);
         }
         for (&member, sum) in group.iter().zip(&sums) {
             tile.sums.add_samples(member as usize, sum);
@@ -173,17 +189,15 @@ fn render_tile<M: Mode>(
 
 /// Adds one sample to the sums of each pixel of a group.
 #[inline]
-#[allow(clippy::too_many_arguments)]
 fn render_group<M: Mode>(
-    scene: &Scene<M>,
-    camera: &Camera,
-    plan: &Plan,
+    view: &View<M>,
     (tile, edges): (&Tile, &Edges),
     group: &[u32],
     index: u32,
     sums: &mut [Samples; GROUP],
     tally: &mut Tally,
 ) {
+    let View { scene, camera, plan, guide } = view;
     let number = |[x, y]: [u32; 2]| y.wrapping_mul(camera.size[0]).wrapping_add(x);
     // All paths of a group carry the same wavelengths: they look at each other's finds.
     let waves = match group.first() {
@@ -202,7 +216,7 @@ fn render_group<M: Mode>(
         let blind = edges.cross(x - tile.x0, y - tile.y0);
         paths.push(Path::new(camera.ray(position, [lens_x, lens_y]), waves, sampler, blind));
     }
-    radiances(scene, &mut paths, &plan.limits, tally);
+    radiances(scene, guide.as_ref(), &mut paths, &plan.limits, tally);
     for (&member, path) in group.iter().zip(&mut paths) {
         let [x, y] = tile.place(member);
         if edges.cross(x - tile.x0, y - tile.y0) {

@@ -5,6 +5,7 @@
 
 mod assembly;
 mod camera;
+mod caster;
 mod environment;
 mod light;
 mod lighting;
@@ -19,6 +20,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 pub use camera::{Camera, Framing, Placed, cameras};
+pub use caster::Caster;
 use glam::Vec3;
 use light::Source;
 pub use light::{LightAt, LightSample, Lights};
