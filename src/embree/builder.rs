@@ -8,7 +8,7 @@ use super::error::EmbreeError;
 use super::handle::{Device, Geometry, Scene};
 
 /// A shape of one builder, to be placed any number of times.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Shape(usize);
 
 /// One shape with the buffers that Embree reads.

@@ -1,12 +1,15 @@
 //! Light transport: a path tracer with next-event estimation and multiple importance sampling.
 
 mod direct;
+mod guide;
 mod path;
+mod photons;
 mod seen;
 mod share;
 mod sight;
 mod vertex;
 
+pub use guide::Guide;
 pub use path::Path;
 pub use seen::seen_light;
 pub use share::{GROUP, radiances};

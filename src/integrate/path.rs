@@ -3,9 +3,10 @@
 use glam::Vec3;
 
 use super::direct::{Direct, direct_light};
+use super::guide::Guide;
 use super::vertex::Vertex;
 use super::{PathLimits, Strategy, Tally, mis_weight};
-use crate::bsdf::Pdf;
+use crate::bsdf::{BsdfSample, Pdf};
 use crate::embree::Ray;
 use crate::math::Sampler;
 use crate::mode::{Lanes, Mode};
@@ -29,6 +30,9 @@ pub struct Path<M: Mode> {
     /// What roulette multiplies the throughput with: radiance is compressed inside dense bodies, which is no loss, and a
     /// tail starts with the importance of the path it belongs to.
     pub(super) importance: f32,
+    /// Likewise, until the next scattering into many directions: how much likelier the direction was than by the surface
+    /// alone, since more light is expected from there.
+    expected: f32,
     pub(super) bounce: u32,
     /// Surfaces that were passed as if they were not there.
     pub(super) passed: u32,
@@ -64,6 +68,7 @@ impl<M: Mode> Path<M> {
             scattered: None,
             interior,
             importance: 1.0,
+            expected: 1.0,
             bounce: 0,
             passed: 0,
             collapsed: false,
@@ -120,6 +125,8 @@ impl<M: Mode> Path<M> {
         let coverage = material.map_or(0.0, |material| material.coverage(&surface, scene.textures()));
         match material {
             Some(material) if self.u_surface[3] < coverage || self.passed >= MAX_THROUGH => {
+                // The number is spent only on which side of the coverage it lies.
+                self.u_surface[3] = (self.u_surface[3] / coverage).min(1.0 - f32::EPSILON);
                 return Arrival::At(surface, material, beyond);
             }
             None if self.passed >= MAX_THROUGH => return Arrival::End,
@@ -137,10 +144,14 @@ impl<M: Mode> Path<M> {
     pub(super) fn vertex<'s>(
         &self,
         scene: &'s Scene<M>,
+        guide: Option<&'s Guide>,
         (surface, material): (Surface<'s>, &'s Material<M>),
         beyond: Interior,
     ) -> Vertex<'s, M> {
-        Vertex::new(scene, (surface, material), -self.ray.dir, [self.interior, beyond], &self.waves)
+        let interiors = [self.interior, beyond];
+        let mut vertex = Vertex::new(scene, (surface, material), -self.ray.dir, interiors, &self.waves);
+        vertex.consult(guide);
+        vertex
     }
 
     /// Draws light that reaches a vertex straight from a source, to be added by the caller, and sends the path on: false
@@ -166,8 +177,7 @@ impl<M: Mode> Path<M> {
     /// Samples the surface; false where the path ends.
     #[inline]
     fn send_on(&mut self, vertex: &Vertex<M>, u_roulette: f32) -> bool {
-        let [u_x, u_y, u_lobe, _] = self.u_surface;
-        let Some(sample) = vertex.bsdf.sample(vertex.wo, [u_lobe, u_x, u_y], &self.waves) else { return false };
+        let Some(sample) = self.draw(vertex) else { return false };
         let wi = vertex.frame.to_world(sample.wi);
         if wi.dot(vertex.surface.ng) * sample.wi.z <= 0.0 && !matches!(sample.pdf, Pdf::Through(_)) {
             // An interpolated normal sent the ray to the wrong side of the real surface.
@@ -198,13 +208,45 @@ impl<M: Mode> Path<M> {
 
         // Play Russian roulette with what is left.
         if self.bounce > SURE_BOUNCES {
-            let survival = (self.throughput.max() * self.importance).min(0.95);
+            let survival = (self.throughput.max() * self.importance * self.expected).min(0.95);
             if u_roulette >= survival {
                 return false;
             }
             self.throughput = self.throughput * (1.0 / survival);
         }
         true
+    }
+
+    /// Draws a direction from the surface, or from what its guide knows. The density that comes with it is that of the
+    /// surface alone, which light sampling weighs itself against.
+    #[inline]
+    fn draw(&mut self, vertex: &Vertex<M>) -> Option<BsdfSample<M>> {
+        let [u_x, u_y, u_lobe, u_guide] = self.u_surface;
+        let Some(leaf) = vertex.guide else {
+            let sample = vertex.bsdf.sample(vertex.wo, [u_lobe, u_x, u_y], &self.waves)?;
+            if matches!(sample.pdf, Pdf::SolidAngle(_)) {
+                self.expected = 1.0;
+            }
+            return Some(sample);
+        };
+        if u_guide < leaf.chance {
+            let toward = leaf.sample(vertex.surface.position, [u_guide / leaf.chance, u_x, u_y])?;
+            let wi = vertex.local(toward)?;
+            let (value, pdf) = vertex.bsdf.eval(vertex.wo, wi, &self.waves);
+            let density = vertex.density(toward, pdf);
+            self.expected = density / pdf;
+            let weight = value * (1.0 / density);
+            return (pdf > 0.0).then_some(BsdfSample { wi, weight, pdf: Pdf::SolidAngle(pdf), collapses: false });
+        }
+        let mut sample = vertex.bsdf.sample(vertex.wo, [u_lobe, u_x, u_y], &self.waves)?;
+        sample.weight = match sample.pdf {
+            Pdf::SolidAngle(pdf) => {
+                self.expected = vertex.density(vertex.frame.to_world(sample.wi), pdf) / pdf;
+                sample.weight * (1.0 / self.expected)
+            }
+            Pdf::Delta | Pdf::Through(_) => sample.weight * (1.0 / (1.0 - leaf.chance)),
+        };
+        Some(sample)
     }
 }
 

@@ -12,6 +12,7 @@
 use arrayvec::ArrayVec;
 use glam::Vec3;
 
+use super::guide::Guide;
 use super::path::{Arrival, Path, SURE_BOUNCES};
 use super::vertex::Vertex;
 use super::{PathLimits, Strategy, Tally};
@@ -58,6 +59,7 @@ enum Progress {
 /// their rays can be traced together.
 pub fn radiances<M: Mode>(
     scene: &Scene<M>,
+    guide: Option<&Guide>,
     paths: &mut ArrayVec<Path<M>, GROUP>,
     limits: &PathLimits,
     tally: &mut Tally,
@@ -87,7 +89,7 @@ pub fn radiances<M: Mode>(
                 Arrival::End => false,
                 Arrival::Through => true,
                 Arrival::At(surface, material, beyond) => {
-                    let vertex = path.vertex(scene, (surface, material), beyond);
+                    let vertex = path.vertex(scene, guide, (surface, material), beyond);
                     let kept = post.judge(&vertex, path);
                     let (direct, goes_on) = path.scatter(scene, &vertex, limits, tally);
                     match direct.shadow {
@@ -211,7 +213,7 @@ fn hand_out<M: Mode>(
         let (value, pdf) = x.bsdf.eval(x.wo, local, &path.waves);
         // Per area of y instead of solid angle at x.
         let geometry = y.surface.ng.dot(wi).abs() / distance2;
-        densities[k] = pdf * geometry;
+        densities[k] = x.density(wi, pdf) * geometry;
         seen[k] = post.throughput * value * geometry;
         if !std::ptr::eq(post, finder) {
             rays[k] = Ray { tfar: distance_m * (1.0 - GAP), ..Ray::new(x.surface.leave(wi), wi) };

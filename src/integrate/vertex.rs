@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use super::guide::{Guide, Leaf};
 use crate::bsdf::Bsdf;
 use crate::math::Frame;
 use crate::mode::Mode;
@@ -21,6 +22,8 @@ pub(super) struct Vertex<'s, M: Mode> {
     pub beyond: Interior,
     /// True when the interpolated normal had to be bent to face the viewer: scattering then depends on where that is.
     pub bent: bool,
+    /// Where else to look for light, besides where the surface scatters.
+    pub guide: Option<&'s Leaf>,
 }
 
 impl<'s, M: Mode> Vertex<'s, M> {
@@ -36,7 +39,24 @@ impl<'s, M: Mode> Vertex<'s, M> {
         let (frame, bent) = facing(material.normal(&surface, scene.textures()), surface.ng, toward_viewer);
         let bsdf = material.bsdf(&surface, scene.textures(), waves);
         let wo = frame.to_local(toward_viewer);
-        Self { surface, frame, bsdf, wo, interior, beyond, bent }
+        Self { surface, frame, bsdf, wo, interior, beyond, bent, guide: None }
+    }
+
+    /// Lets a matte surface know where to look for thrown light.
+    #[inline]
+    pub fn consult(&mut self, guide: Option<&'s Guide>) {
+        if let (Some(guide), Bsdf::Diffuse(_) | Bsdf::CoatedDiffuse(_)) = (guide, &self.bsdf) {
+            self.guide = guide.at(self.surface.position);
+        }
+    }
+
+    /// Density of scattering into `wi` (world space), where the surface alone would scatter with density `pdf`.
+    #[inline]
+    pub fn density(&self, wi: Vec3, pdf: f32) -> f32 {
+        match self.guide {
+            Some(leaf) => pdf + leaf.chance * (leaf.pdf(self.surface.position, wi) - pdf),
+            None => pdf,
+        }
     }
 
     /// The local direction, unless interpolated normal and real surface disagree about its side.

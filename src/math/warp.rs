@@ -71,6 +71,20 @@ pub fn cone_pdf(one_minus_cos: f32) -> f32 {
     1.0 / (2.0 * PI * one_minus_cos)
 }
 
+/// Direction around +z that is half the time within 1 - cos = `width`, roughly, and may go anywhere: the spherical Cauchy
+/// distribution. Kato & McCullagh 2020, "Some properties of a Cauchy family on the sphere", section 2.
+#[inline]
+pub fn square_to_cauchy(u: [f32; 2], width: f32) -> Vec3 {
+    square_to_cone([1.0, u[1]], 2.0 * width * u[0] / (2.0 + width - 2.0 * u[0]))
+}
+
+/// Density of [`square_to_cauchy`] where 1 - cos of the angle to the axis is `off_axis`, 1/sr.
+#[inline]
+pub fn cauchy_pdf(off_axis: f32, width: f32) -> f32 {
+    let reach = off_axis + width;
+    0.25 * FRAC_1_PI * width * (2.0 + width) / (reach * reach)
+}
+
 /// Barycentric weights (b1, b2) of a uniform point on a triangle. Heitz 2019, "A Low-Distortion Map Between Triangle and
 /// Square".
 #[inline]

@@ -30,7 +30,7 @@ pub use survey::{FAR_M, Seen, Survey};
 use thiserror::Error;
 
 use crate::embree::Ray;
-use crate::integrate::{GROUP, Path, PathLimits, Tally, radiances};
+use crate::integrate::{GROUP, Guide, Path, PathLimits, Strategy, Tally, radiances};
 use crate::math::Sampler;
 use crate::mode::{Lanes, Mode};
 use crate::scene::{Camera, Scene};
@@ -126,6 +126,7 @@ pub fn accumulate<M: Mode>(
     let camera = &camera.settled(scene);
     let clock = std::time::Instant::now();
     let cpu_clock = CpuClock::start();
+    let view = View { scene, camera, plan, guide: pool.install(|| guide(scene, camera, plan)) };
     while !watch.stop() && sums.wants_more(plan.noise) {
         let count = if sums.spp() == 0 { 1 } else { watch.pass(sums) };
         if count == 0 {
@@ -142,7 +143,7 @@ pub fn accumulate<M: Mode>(
                         return Tally::default();
                     }
                     let samples = tile.next..end;
-                    let tally = render_tile(scene, camera, plan, tile, samples.clone());
+                    let tally = render_tile(&view, tile, samples.clone());
                     tile.doublings.note(&tile.sums, tile.next - first);
                     watch.advanced(samples.len() as u64 * tile.sums.len() as u64);
                     tally
@@ -164,13 +165,27 @@ fn pool(plan: &Plan) -> Result<ThreadPool, RenderError> {
     ThreadPoolBuilder::new().num_threads(plan.threads).build().map_err(failed)
 }
 
-fn render_tile<M: Mode>(
-    scene: &Scene<M>,
-    camera: &Camera,
-    plan: &Plan,
-    tile: &mut Tile,
-    samples: std::ops::Range<u32>,
-) -> Tally {
+/// What every sample of a render needs.
+struct View<'a, M: Mode> {
+    scene: &'a Scene<M>,
+    camera: &'a Camera,
+    plan: &'a Plan,
+    guide: Option<Guide>,
+}
+
+/// Photons are a small part of a picture's rays.
+const PIXELS_PER_PHOTON: u32 = 8;
+const MAX_PHOTONS: u32 = 1 << 16;
+
+/// Where to look for caustics. Depends on the size of the picture, never on its samples.
+fn guide<M: Mode>(scene: &Scene<M>, camera: &Camera, plan: &Plan) -> Option<Guide> {
+    let [width, height] = camera.size;
+    let photons = (width.saturating_mul(height) / PIXELS_PER_PHOTON).min(MAX_PHOTONS);
+    if plan.limits.strategy == Strategy::Shared { Guide::new(scene, photons) } else { None }
+}
+
+fn render_tile<M: Mode>(view: &View<M>, tile: &mut Tile, samples: std::ops::Range<u32>) -> Tally {
+    let View { scene, camera, plan, .. } = view;
     let mut tally = Tally::default();
     let edges = match tile.edges.take() {
         Some(edges) => edges,
@@ -181,7 +196,7 @@ fn render_tile<M: Mode>(
     for group in tile.groups() {
         let mut sums: [Samples; GROUP] = Default::default();
         for index in samples.clone() {
-            render_group(scene, camera, plan, (tile, &edges), &group, index, &mut sums, &mut lights, &mut tally);
+            render_group(view, (tile, &edges), &group, index, &mut sums, &mut lights, &mut tally);
         }
         for (&member, sum) in group.iter().zip(&sums) {
             tile.sums.add_samples(member as usize, sum);
@@ -210,11 +225,8 @@ fn camera_sample(camera: &Camera, plan: &Plan, [x, y]: [u32; 2], index: u32) -> 
 
 /// Adds one sample to the sums of each pixel of a group.
 #[inline]
-#[allow(clippy::too_many_arguments)]
 fn render_group<M: Mode>(
-    scene: &Scene<M>,
-    camera: &Camera,
-    plan: &Plan,
+    view: &View<M>,
     (tile, edges): (&Tile, &Edges),
     group: &[u32],
     index: u32,
@@ -222,6 +234,7 @@ fn render_group<M: Mode>(
     lights: &mut [DVec3],
     tally: &mut Tally,
 ) {
+    let View { scene, camera, plan, guide } = view;
     let number = |place| number(camera, place);
     // All paths of a group carry the same wavelengths: they look at each other's finds.
     let waves = match group.first() {
@@ -237,7 +250,7 @@ fn render_group<M: Mode>(
         let blind = edges.cross(x - tile.x0, y - tile.y0);
         paths.push(Path::new(ray, camera.interior, waves, sampler, blind));
     }
-    radiances(scene, &mut paths, &plan.limits, tally);
+    radiances(scene, guide.as_ref(), &mut paths, &plan.limits, tally);
     for (&member, path) in group.iter().zip(&mut paths) {
         let [x, y] = tile.place(member);
         if edges.cross(x - tile.x0, y - tile.y0) {

@@ -222,6 +222,11 @@ impl<M: Mode> Material<M> {
         self.lets_through
     }
 
+    /// True when it may throw light from a lamp onto other surfaces as a bright pattern: mirrors and lenses.
+    pub fn casts(&self) -> bool {
+        matches!(self.body, Body::Conductor { .. } | Body::Dielectric { .. } | Body::Refractor { .. })
+    }
+
     /// The shading normal, bent by the normal map where there is one.
     #[inline]
     pub fn normal(&self, surface: &Surface, textures: &[Arc<Texture>]) -> Vec3 {

@@ -5,6 +5,7 @@
 
 mod assembly;
 mod camera;
+mod caster;
 mod environment;
 mod groups;
 mod light;
@@ -22,6 +23,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 pub use camera::{Camera, Framing, Placed, cameras};
+pub use caster::Caster;
 use glam::{Vec2, Vec3};
 pub use groups::LightGroups;
 use light::Source;

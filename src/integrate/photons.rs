@@ -1,0 +1,122 @@
+//! Light that mirrors and lenses throw onto other surfaces, followed from the lamps.
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use super::vertex::Vertex;
+use crate::bsdf::{Bsdf, Pdf};
+use crate::embree::Ray;
+use crate::math::warp::square_to_disk;
+use crate::math::{Frame, Sampler};
+use crate::mode::{Lanes, Mode};
+use crate::scene::{Caster, Interior, Scene};
+
+/// Surfaces that a photon may pass or be thrown by.
+const MAX_SURFACES: u32 = 32;
+/// Any number: photons are the same in every render of a scene.
+const SEED: u32 = 0x70_68_6f_74;
+
+/// Where thrown light lands.
+#[derive(Clone, Copy)]
+pub(super) struct Photon {
+    pub position: Vec3,
+    /// The point that threw it here.
+    pub thrower: Vec3,
+    /// W, mean of the lanes.
+    pub power: f32,
+    /// W/m2 that light sampling would find there if nothing stood in between.
+    pub direct: f32,
+}
+
+/// Sends out `count` photons towards mirrors and lenses; those that are thrown onto a surface of another kind come back.
+/// They tell where to look for light, not how much there is: how radiance and importance differ at crossed surfaces does
+/// not matter here.
+pub(super) fn trace<M: Mode>(scene: &Scene<M>, count: u32) -> Vec<Photon> {
+    let casters = scene.casters();
+    // Chosen by the area that they show.
+    let mut reach = Vec::with_capacity(casters.len());
+    let mut total_m2 = 0.0;
+    for caster in &casters {
+        total_m2 += caster.radius_m * caster.radius_m;
+        reach.push(total_m2);
+    }
+    let shot = |index: u32| {
+        let mut sampler = Sampler::new(0, index, SEED);
+        let [u_caster, u_wave, u_x, u_y] = sampler.next_4d();
+        let at = reach.partition_point(|&sum| sum <= u_caster * total_m2);
+        let caster = casters.get(at.min(casters.len().checked_sub(1)?))?;
+        let waves = M::waves(u_wave);
+        let area_m2 = std::f32::consts::PI * total_m2;
+        let (ray, power) = emit(scene, caster, [u_x, u_y], &mut sampler, &waves)?;
+        follow(scene, ray, power * (area_m2 / count as f32), sampler, &waves)
+    };
+    let counts = |photon: &Photon| photon.power > 0.0 && photon.power.is_finite() && photon.direct.is_finite();
+    (0..count).into_par_iter().filter_map(shot).filter(counts).collect()
+}
+
+/// A ray from a lamp through the disc that a caster shows it, and the irradiance there.
+fn emit<M: Mode>(
+    scene: &Scene<M>,
+    caster: &Caster,
+    u: [f32; 2],
+    sampler: &mut Sampler,
+    waves: &M::Waves,
+) -> Option<(Ray, f32)> {
+    let [u_light, u_light_x, u_light_y, _] = sampler.next_4d();
+    let light = scene.stage.lights.sample(caster.center, [u_light, u_light_x, u_light_y])?;
+    let irradiance = scene.arriving(&light.light, waves).mean() / light.pdf;
+    let aim = caster.center + Frame::new(light.wi).to_world(square_to_disk(u).extend(0.0)) * caster.radius_m;
+    if light.distance_m.is_finite() {
+        let lamp = caster.center + light.wi * light.distance_m;
+        let dir = (aim - lamp).try_normalize()?;
+        // A lamp's own surface does not hold its light back.
+        let origin = lamp + dir * (1e-4 * light.distance_m);
+        return Some((Ray::new(origin, dir), irradiance));
+    }
+    let (low, high) = scene.stage.bounds;
+    Some((Ray::new(aim + light.wi * low.distance(high), -light.wi), irradiance))
+}
+
+/// Follows a photon until it lands.
+fn follow<M: Mode>(
+    scene: &Scene<M>,
+    mut ray: Ray,
+    mut power: f32,
+    mut sampler: Sampler,
+    waves: &M::Waves,
+) -> Option<Photon> {
+    let mut thrower = None;
+    let mut interior = Interior::AIR;
+    for _ in 0..MAX_SURFACES {
+        let mut surface = scene.intersect(&ray)?;
+        let [u_x, u_y, u_lobe, u_hole] = sampler.next_4d();
+        let (material, beyond) = scene.meet(&ray, &mut surface, &interior);
+        let there = material.filter(|material| u_hole < material.coverage(&surface, scene.textures()));
+        let Some(material) = there else {
+            ray = Ray::new(surface.leave(ray.dir), ray.dir);
+            interior = beyond;
+            continue;
+        };
+        let vertex = Vertex::new(scene, (surface, material), -ray.dir, [interior, beyond], waves);
+        if !matches!(vertex.bsdf, Bsdf::Conductor(_) | Bsdf::Dielectric(_)) {
+            let position = vertex.surface.position;
+            let [u_light, u_light_x, u_light_y, _] = sampler.next_4d();
+            let direct = scene.stage.lights.sample(position, [u_light, u_light_x, u_light_y]).map_or(0.0, |light| {
+                let cos = light.wi.dot(vertex.surface.ng).abs();
+                scene.arriving(&light.light, waves).mean() * cos / light.pdf
+            });
+            return thrower.map(|thrower| Photon { position, thrower, power, direct });
+        }
+        let sample = vertex.bsdf.sample(vertex.wo, [u_lobe, u_x, u_y], waves)?;
+        let wi = vertex.frame.to_world(sample.wi);
+        power *= sample.weight.mean();
+        if !matches!(sample.pdf, Pdf::Through(_)) {
+            thrower = Some(vertex.surface.position);
+        }
+        if sample.wi.z * vertex.wo.z < 0.0 {
+            interior = beyond;
+        }
+        ray = Ray::new(vertex.surface.leave(wi), wi);
+    }
+    None
+}
