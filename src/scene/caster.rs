@@ -21,9 +21,8 @@ impl<M: Mode> Scene<M> {
     pub fn casters(&self) -> Vec<Caster> {
         let accel = &self.stage.accel;
         let mut boxes = HashMap::<Shape, (Vec3, Vec3)>::new();
-        let casting = |place: &&super::Place| {
-            place.parts.iter().any(|part| self.materials[part.material as usize].casts())
-        };
+        let casting =
+            |place: &&super::Place| place.parts.iter().any(|part| self.materials[part.material as usize].casts());
         let ball = |place: &super::Place| {
             let (center, radius) = match &place.body {
                 Body::Sphere { center, radius } => (*center, *radius),
