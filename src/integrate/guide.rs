@@ -103,7 +103,7 @@ impl Guide {
     }
 
     /// What is known about light that is thrown to a point.
-    #[inline]
+    #[inline(never)]
     pub(super) fn at(&self, position: Vec3) -> Option<&Leaf> {
         let mut node = 0;
         loop {
@@ -169,7 +169,7 @@ impl Leaf {
     }
 
     /// Density of [`Leaf::sample`], 1/sr.
-    #[inline]
+    #[inline(never)]
     pub fn pdf(&self, from: Vec3, wi: Vec3) -> f32 {
         let [x, y, z] = &self.points;
         let shift = self.drift * from - from;

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::direct::{Direct, direct_light};
-use super::guide::Guide;
+use super::guide::{Guide, Leaf};
 use super::vertex::Vertex;
 use super::{PathLimits, Strategy, Tally, mis_weight};
 use crate::bsdf::{BsdfSample, Pdf};
@@ -217,18 +217,25 @@ impl<M: Mode> Path<M> {
         true
     }
 
-    /// Draws a direction from the surface, or from what its guide knows. The density that comes with it is that of the
-    /// surface alone, which light sampling weighs itself against.
+    /// Draws a direction from the surface, or from what its guide knows.
     #[inline]
     fn draw(&mut self, vertex: &Vertex<M>) -> Option<BsdfSample<M>> {
+        if let Some(leaf) = vertex.guide {
+            return self.draw_guided(vertex, leaf);
+        }
+        let [u_x, u_y, u_lobe, _] = self.u_surface;
+        let sample = vertex.bsdf.sample(vertex.wo, [u_lobe, u_x, u_y], &self.waves)?;
+        if matches!(sample.pdf, Pdf::SolidAngle(_)) {
+            self.expected = 1.0;
+        }
+        Some(sample)
+    }
+
+    /// The density that comes with a direction is that of the surface alone, which light sampling weighs itself against.
+    /// Apart from the rest, which it would slow down where nothing is guided.
+    #[inline(never)]
+    fn draw_guided(&mut self, vertex: &Vertex<M>, leaf: &Leaf) -> Option<BsdfSample<M>> {
         let [u_x, u_y, u_lobe, u_guide] = self.u_surface;
-        let Some(leaf) = vertex.guide else {
-            let sample = vertex.bsdf.sample(vertex.wo, [u_lobe, u_x, u_y], &self.waves)?;
-            if matches!(sample.pdf, Pdf::SolidAngle(_)) {
-                self.expected = 1.0;
-            }
-            return Some(sample);
-        };
         if u_guide < leaf.chance {
             let toward = leaf.sample(vertex.surface.position, [u_guide / leaf.chance, u_x, u_y])?;
             let wi = vertex.local(toward)?;
