@@ -25,7 +25,8 @@ pub enum Strategy {
     Light,
     /// Both, weighted by the power heuristic.
     Mis,
-    /// Both, and neighbouring pixels look at what each other's paths found: less noise in indirect light, the same mean.
+    /// Both; and neighbouring pixels look at what each other's paths found, and matte surfaces look where photons came from:
+    /// less noise in indirect light and caustics, the same mean.
     #[default]
     Shared,
 }

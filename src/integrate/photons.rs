@@ -33,6 +33,9 @@ pub(super) struct Photon {
 /// not matter here.
 pub(super) fn trace<M: Mode>(scene: &Scene<M>, count: u32) -> Vec<Photon> {
     let casters = scene.casters();
+    if casters.is_empty() {
+        return Vec::new();
+    }
     // Chosen by the area that they show.
     let mut reach = Vec::with_capacity(casters.len());
     let mut total_m2 = 0.0;
@@ -44,7 +47,7 @@ pub(super) fn trace<M: Mode>(scene: &Scene<M>, count: u32) -> Vec<Photon> {
         let mut sampler = Sampler::new(0, index, SEED);
         let [u_caster, u_wave, u_x, u_y] = sampler.next_4d();
         let at = reach.partition_point(|&sum| sum <= u_caster * total_m2);
-        let caster = casters.get(at.min(casters.len().checked_sub(1)?))?;
+        let caster = &casters[at.min(casters.len() - 1)];
         let waves = M::waves(u_wave);
         let area_m2 = std::f32::consts::PI * total_m2;
         let (ray, power) = emit(scene, caster, [u_x, u_y], &mut sampler, &waves)?;
