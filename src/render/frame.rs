@@ -39,7 +39,8 @@ pub struct Frame {
 impl Frame {
     /// Samples per pixel on average.
     pub fn mean_spp(&self) -> f64 {
-        self.total as f64 / (f64::from(self.width) * f64::from(self.height))
+        let total: u64 = self.samples.iter().map(|&spp| u64::from(spp)).sum();
+        total as f64 / self.samples.len() as f64
     }
 
     /// SHA-256 over the size (two u32) and all values of [`rgb`](Self::rgb) (f32), little-endian; hexadecimal.

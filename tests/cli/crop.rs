@@ -16,7 +16,10 @@ fn a_crop_lies_where_it_was_cut_from() {
         read_exr(Path::new(&file)).unwrap()
     };
     let whole = render("whole.exr", &[]);
-    let part = render("part.exr", &[CROP, &["--pixel-aspect", "1"]].concat());
+    let stats = folder.file("part.json");
+    let part = render("part.exr", &[CROP, &["--pixel-aspect", "1", "--stats", &stats]].concat());
+    let stats: serde_json::Value = serde_json::from_str(&fs::read_to_string(stats).unwrap()).unwrap();
+    assert_eq!(stats["mean_spp"].as_f64(), Some(6.0));
     assert_eq!(part.crop, Some(Crop { x: 37, y: 9, full_width: 90, full_height: 60 }));
     assert_eq!((part.width, part.height, whole.crop), (21, 30, None));
     for (i, pixel) in part.rgba.iter().enumerate() {
