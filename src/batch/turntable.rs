@@ -6,6 +6,7 @@ use glam::{Affine3A, DAffine3, DVec3, Mat4, Vec3};
 
 use crate::document::{Document, Item, Shape};
 use crate::error::Error;
+use crate::math::extent;
 
 /// Of the extent of all shapes along an axis: what covers this share along two axes is ground or room.
 const COVERS: f32 = 0.9;
@@ -208,10 +209,7 @@ fn piece(document: &Document, &(node, to_world): &(usize, Mat4)) -> Piece {
 
 fn shape_bounds(shape: &Shape, to_world: &Mat4) -> (Vec3, Vec3) {
     match shape {
-        Shape::Mesh(mesh) => {
-            let points = mesh.positions.iter().map(|p| to_world.transform_point3(*p));
-            points.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)))
-        }
+        Shape::Mesh(mesh) => extent(mesh.positions.iter().map(|p| to_world.transform_point3(*p))),
         Shape::Sphere { radius } => {
             let center = to_world.transform_point3(Vec3::ZERO);
             let reach = Vec3::splat(radius * to_world.x_axis.truncate().length());

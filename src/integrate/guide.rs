@@ -8,8 +8,8 @@
 use glam::{Mat3, Vec3};
 
 use super::photons::{self, Photon};
-use crate::math::Frame;
 use crate::math::warp::{cauchy_pdf, square_to_cauchy};
+use crate::math::{Frame, extent};
 use crate::mode::Mode;
 use crate::scene::Scene;
 
@@ -75,7 +75,7 @@ impl Guide {
     }
 
     fn split(&mut self, photons: &[Photon]) {
-        let (low, high) = bounds(photons);
+        let (low, high) = extent(photons.iter().map(|photon| photon.position));
         // Photons that a rounding error separates cannot be split.
         if photons.len() <= 2 * CONES || (high - low).max_element() <= 1e-5 * high.abs().max(low.abs()).max_element() {
             let leaf = Leaf::new(photons, low, high);
@@ -232,11 +232,6 @@ fn outer(a: Vec3, b: Vec3) -> Mat3 {
 #[inline]
 fn width(radius2: f32, distance2: f32) -> f32 {
     (0.5 * radius2 / distance2).clamp(NARROW, 1.0)
-}
-
-fn bounds(photons: &[Photon]) -> (Vec3, Vec3) {
-    let start = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-    photons.iter().fold(start, |(low, high), p| (low.min(p.position), high.max(p.position)))
 }
 
 #[cfg(test)]

@@ -8,5 +8,11 @@ mod sobol;
 pub mod warp;
 
 pub use frame::Frame;
+use glam::Vec3;
 pub use noise::perlin;
 pub use sampler::Sampler;
+
+/// Lowest and highest coordinates of points; (infinity, -infinity) of none.
+pub fn extent(points: impl Iterator<Item = Vec3>) -> (Vec3, Vec3) {
+    points.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)))
+}

@@ -7,6 +7,7 @@ use glam::Vec3;
 use super::Scene;
 use super::surface::Body;
 use crate::embree::Shape;
+use crate::math::extent;
 use crate::mode::Mode;
 
 /// A ball around something that may throw light onto other surfaces.
@@ -28,7 +29,7 @@ impl<M: Mode> Scene<M> {
                 Body::Sphere { center, radius } => (*center, *radius),
                 Body::Mesh(_) => {
                     let positions = accel.positions(place.shape);
-                    let (low, high) = *boxes.entry(place.shape).or_insert_with(|| extent(positions));
+                    let (low, high) = *boxes.entry(place.shape).or_insert_with(|| extent(positions.iter().copied()));
                     (0.5 * (low + high), 0.5 * low.distance(high))
                 }
             };
@@ -36,9 +37,4 @@ impl<M: Mode> Scene<M> {
         };
         self.stage.places.iter().filter(casting).map(ball).filter(|caster| caster.radius_m > 0.0).collect()
     }
-}
-
-fn extent(positions: &[Vec3]) -> (Vec3, Vec3) {
-    let start = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-    positions.iter().fold(start, |(low, high), p| (low.min(*p), high.max(*p)))
 }
