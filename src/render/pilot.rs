@@ -58,11 +58,10 @@ pub fn tactics<M: Mode>(scene: &Scene<M>, camera: &Camera, plan: &Plan) -> Tacti
     let weights = weights(&base);
     let mut best = cost(&base, &weights);
     for draws_log2 in 1..=MOST_DRAWS_LOG2 {
-        let before = tactics.draws_log2;
         tactics.draws_log2 = draws_log2;
         let cost = cost(&run(&tactics), &weights);
         if cost >= best * WORTHWHILE {
-            tactics.draws_log2 = before;
+            tactics.draws_log2 -= 1;
             break;
         }
         best = cost;
