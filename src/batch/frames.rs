@@ -20,6 +20,7 @@ impl FrameList {
     /// What is wrong with which part.
     pub fn parse(text: &str) -> Result<Self, String> {
         let mut frames = BTreeSet::new();
+        let mut count = 0;
         for part in text.split(',') {
             let wrong = || format!("`{part}` is no frame; write them like 1-240 or 1,5,10-20x2");
             let number = |digits: &str| digits.trim().parse::<u32>().map_err(|_| wrong());
@@ -34,8 +35,9 @@ impl FrameList {
             if first > last || step == 0 {
                 return Err(wrong());
             }
-            if ((last - first) / step) as usize >= MOST_FRAMES {
-                return Err(format!("`{part}` are more than {MOST_FRAMES} frames"));
+            count += ((last - first) / step) as usize + 1;
+            if count > MOST_FRAMES {
+                return Err(format!("with `{part}` these are more than {MOST_FRAMES} frames"));
             }
             frames.extend((first..=last).step_by(step as usize));
         }

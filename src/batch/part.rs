@@ -165,6 +165,21 @@ impl PartHeader {
     }
 }
 
+impl PartHeader {
+    /// What no render writes is damage.
+    fn check(&self) -> Result<(), &'static str> {
+        let Settings { size, crop, spp, .. } = &self.settings;
+        if self.samples.is_empty() || self.samples.end > *spp {
+            return Err("its range of samples is damaged");
+        }
+        let whole = Window::whole(*size);
+        if size.contains(&0) || !crop.unwrap_or(whole).fits(*size) {
+            return Err("its size is damaged");
+        }
+        Ok(())
+    }
+}
+
 impl Cost {
     pub fn of(sums: &Accumulation) -> Self {
         let Tally { rays, shadow_rays, non_finite, beyond_range, clamped } = sums.tally;
@@ -208,7 +223,9 @@ impl<'a> Part<'a> {
     /// A file that is missing, damaged or no part, or of another version.
     pub fn open(path: &'a Path) -> Result<Self, Error> {
         let reader = PartReader::open(path)?;
-        let header = serde_json::from_str(&reader.header).map_err(|error| damaged(path, error.to_string()))?;
+        let header: PartHeader =
+            serde_json::from_str(&reader.header).map_err(|error| damaged(path, error.to_string()))?;
+        header.check().map_err(|reason| damaged(path, reason.to_owned()))?;
         Ok(Self { path, header, reader })
     }
 

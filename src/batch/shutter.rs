@@ -41,6 +41,10 @@ impl Watch for Until<'_> {
         // Nobody is asked about a pass that is not due.
         if left == 0 { 0 } else { self.watch.pass(so_far).min(left) }
     }
+
+    fn done(&self, sums: &Accumulation) {
+        self.watch.done(sums);
+    }
 }
 
 #[cfg(test)]

@@ -72,7 +72,8 @@ pub struct LoadOptions {
     pub invert_opacity: bool,
     pub falloff: FalloffRule,
     pub missing_texture: MissingTexture,
-    /// Limit for the file, and for everything unpacked from an archive together.
+    /// Limit in bytes for the file, for everything unpacked from an archive together, for its elements in memory, and for
+    /// the scene that is made of them.
     pub max_bytes: u64,
 }
 
@@ -131,7 +132,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<(Document, Vec<Warning
     let (package, bytes) = package::open(path, options.max_bytes).map_err(whole_file)?;
     let sha256 = Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect();
     let source = encoding::decode(bytes).map_err(whole_file)?;
-    let xml = xml::parse(source).map_err(|broken| broken.0.locate(path, &broken.1))?;
+    let xml = xml::parse(source, options.max_bytes).map_err(|broken| broken.0.locate(path, &broken.1))?;
     let mut loader = loader::Loader::new(&xml, options, &package);
     loader.document.path = path.to_owned();
     loader.document.sha256 = sha256;

@@ -115,7 +115,7 @@ pub fn run(args: &ConvergenceArgs) -> Result<(), Error> {
         say(&format!("warning: {warning}"));
     }
     let size = args.size.map_or([None; 2], |size| [size.width, size.height]);
-    let mut plan = common.picture.plan(&document.render);
+    let mut plan = common.picture.plan(&document.render, common.scene.memory.most());
     plan.raster.size = size;
     let (stage, camera, notes) = still::stage(&document, &plan)?;
     for note in &notes {
@@ -220,7 +220,7 @@ impl ConvergenceArgs {
                 let problem = format!("--config {name}: options about the scene and the camera hold for all");
                 return Err(Error::Usage(format!("{problem}; give them in --all")));
             }
-            let plan = args.picture.plan(&setting.document.render);
+            let plan = args.picture.plan(&setting.document.render, args.scene.memory.most());
             let picture = &args.picture;
             let transport = picture.transport(setting.document, &plan, &setting.stage, &setting.camera, &args.talk)?;
             let mean = Some(Mean::of(&plan, transport));
