@@ -14,7 +14,7 @@ use pellicle::batch::frames::{FrameList, Pattern, Ring};
 use pellicle::batch::merge::Merge;
 use pellicle::batch::part::Part;
 use pellicle::collada::{LoadOptions, MissingTexture, load};
-use pellicle::document::{Changes, Document, Image, ImageSource, Item, Shape};
+use pellicle::document::{Changes, Document, Image, ImageSource};
 use pellicle::film::Rung;
 use pellicle::integrate::{PathLimits, Strategy};
 use pellicle::mode::Rgb;
@@ -201,14 +201,4 @@ pub fn arguments(bytes: &[u8]) {
     if let Err(error) = pellicle::cli::parse(words) {
         assert!(!error.to_string().is_empty());
     }
-}
-
-/// Triangles of a document's meshes: what mutations should not raise.
-pub fn triangles(document: &Document) -> usize {
-    let items = document.placements().into_iter().flat_map(|(node, _)| &document.nodes[node].items);
-    let meshes = items.filter_map(|item| match item {
-        Item::Geometry { geometry, .. } => Some(&document.geometries[*geometry].shape),
-        _ => None,
-    });
-    meshes.map(|shape| if let Shape::Mesh(mesh) = shape { mesh.triangles.len() } else { 0 }).sum()
 }

@@ -42,8 +42,11 @@ impl Watch for Until<'_> {
         if left == 0 { 0 } else { self.watch.pass(so_far).min(left) }
     }
 
+    /// Of the picture, not of each of its moments.
     fn done(&self, sums: &Accumulation) {
-        self.watch.done(sums);
+        if sums.is_complete() || sums.spp() < self.spp {
+            self.watch.done(sums);
+        }
     }
 }
 

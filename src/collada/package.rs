@@ -3,12 +3,13 @@
 use std::cell::RefCell;
 use std::fs::File;
 use std::io::{BufReader, Read};
+use std::os::unix::fs::FileTypeExt;
 use std::path::{Component, Path, PathBuf};
 
 use zip::ZipArchive;
 use zip::result::ZipError;
 
-use super::xml;
+use super::{encoding, xml};
 
 /// A scene file with the place that its relative references start from.
 pub enum Package {
@@ -32,6 +33,11 @@ pub fn open(path: &Path, max_bytes: u64) -> Result<(Package, Vec<u8>), String> {
     let mut bytes = Vec::new();
     let mut magic = [0; 4];
     let cannot_read = |error| format!("cannot be read: {error}");
+    let kind = file.metadata().map_err(cannot_read)?.file_type();
+    // Some have no end.
+    if kind.is_char_device() || kind.is_block_device() {
+        return Err("is a device, not a file".to_owned());
+    }
     let read = file.read(&mut magic).map_err(cannot_read)?;
     if magic == *b"PK\x03\x04" {
         let archive =
@@ -100,7 +106,7 @@ impl Archive {
 }
 
 fn dae_root(manifest: Vec<u8>, max_bytes: u64) -> Option<String> {
-    let manifest = xml::parse(String::from_utf8(manifest).ok()?, max_bytes).ok()?;
+    let manifest = xml::parse(encoding::decode(manifest).ok()?, max_bytes).ok()?;
     let root = manifest.all().find(|element| element.name() == "dae_root")?.text().into_owned();
     let file = root.split('#').next()?;
     Some(super::images::percent_decode(file))
