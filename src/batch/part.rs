@@ -10,6 +10,7 @@ use super::still::{Prepared, StillPlan};
 use crate::document::{Document, ImageSource};
 use crate::error::Error;
 use crate::integrate::{PathLimits, Tally};
+use crate::math::hex;
 use crate::mode::Mode;
 use crate::output::{self, Display, HeaderValue, OutputError, PartBlock, PartReader};
 use crate::render::{Accumulation, Block, Doublings, Plan};
@@ -143,7 +144,7 @@ fn images_sha256(document: &Document) -> Result<String, Error> {
         };
         all.update(digest);
     }
-    Ok(all.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
+    Ok(hex(&all.finalize()))
 }
 
 impl PartHeader {

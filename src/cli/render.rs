@@ -77,7 +77,7 @@ pub struct PictureArgs {
     #[arg(long, value_name = "N")]
     seed: Option<u32>,
     /// Threads; 0 = all processors
-    #[arg(short, long, value_name = "N", default_value_t = 0)]
+    #[arg(short, long, value_name = "N", default_value_t = 0, value_parser = parse_threads)]
     threads: usize,
     /// Scattering events on a path: 0 sees lights only, 1 adds direct light [default: the scene's, or 16]
     #[arg(long, value_name = "N")]
@@ -184,6 +184,16 @@ enum StrategyArg {
     Light,
     /// Surface sampling alone
     Bsdf,
+}
+
+/// Far more threads than processors only bring a machine to its knees.
+const MOST_THREADS: usize = 1024;
+
+fn parse_threads(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(threads) if threads <= MOST_THREADS => Ok(threads),
+        _ => Err(format!("give a number up to {MOST_THREADS}; 0 takes all processors")),
+    }
 }
 
 fn parse_clamp(text: &str) -> Result<f32, String> {

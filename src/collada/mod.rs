@@ -53,6 +53,7 @@ use std::path::{Path, PathBuf};
 use sha2::{Digest, Sha256};
 
 use crate::document::Document;
+use crate::math::hex;
 
 pub use error::{Place, SceneError};
 pub use warnings::Warning;
@@ -130,7 +131,7 @@ pub enum MissingTexture {
 pub fn load(path: &Path, options: &LoadOptions) -> Result<(Document, Vec<Warning>), SceneError> {
     let whole_file = |message| SceneError { file: path.to_owned(), place: None, message, hint: None };
     let (package, bytes) = package::open(path, options.max_bytes).map_err(whole_file)?;
-    let sha256 = Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect();
+    let sha256 = hex(&Sha256::digest(&bytes));
     let source = encoding::decode(bytes).map_err(whole_file)?;
     let xml = xml::parse(source, options.max_bytes).map_err(|broken| broken.0.locate(path, &broken.1))?;
     let mut loader = loader::Loader::new(&xml, options, &package);

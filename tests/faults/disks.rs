@@ -66,7 +66,7 @@ fn a_disk_that_fills_up_leaves_parts_checkpoints_and_reports_whole() {
     let folder = Folder::new("full-others");
     let Some(_disk) = SmallDisk::mount(&folder) else { return };
     succeed(&["render", "room.dae", "-o", &folder.file("a.exr"), "--quiet"]);
-    fs::write(folder.file("ballast"), vec![1; 1_900_000]).unwrap();
+    fs::write(folder.file("ballast"), vec![1; 2_060_000]).unwrap();
     let full = |run: Run| {
         assert_eq!(run.code, Some(3), "{}", run.stderr);
         assert!(run.stderr.contains("No space left on device"), "{}", run.stderr);

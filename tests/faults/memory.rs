@@ -20,6 +20,15 @@ fn every_command_that_makes_pictures_knows_its_limit() {
     succeed(&["merge", &part, "-o", &folder.file("m.exr"), "--max-memory", "100k"]);
 }
 
+/// Each of them takes memory, and a hundred thousand a whole machine.
+#[test]
+fn threads_have_a_limit() {
+    for threads in ["1025", "100000", "99999999999999999999", "-1", "many"] {
+        let stderr = fail(2, &["render", "room.dae", "-o", "a.png", &format!("--threads={threads}")]);
+        assert!(stderr.contains("give a number up to 1024"), "{stderr}");
+    }
+}
+
 /// The limit is no part of the settings: who has more memory can go on.
 #[test]
 fn a_checkpoint_goes_on_under_another_limit() {

@@ -12,6 +12,7 @@ use crate::cli::render::RenderArgs;
 use crate::cli::{print, say};
 use crate::document::Document;
 use crate::error::Error;
+use crate::math::hex;
 use crate::output::read_exr;
 use crate::study::convergence::{Cache, Clock, Contender, Contest, How, Mean, Reference, Report, SeriesFile, Setting};
 use crate::study::metrics::Exposure;
@@ -282,7 +283,7 @@ impl ConvergenceArgs {
         let shared = || Some(home("XDG_CACHE_HOME").or_else(|| Some(home("HOME")?.join(".cache")))?.join("pellicle"));
         let folder = self.cache.clone().or_else(shared)?;
         let program = std::fs::read(std::env::current_exe().ok()?).ok()?;
-        let program: String = Sha256::digest(program).iter().map(|byte| format!("{byte:02x}")).collect();
+        let program = hex(&Sha256::digest(program));
         Some(Cache { folder, key: format!("{} {} {program}", document.sha256, self.all) })
     }
 }
