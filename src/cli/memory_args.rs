@@ -6,8 +6,8 @@ use crate::render::available_memory;
 
 #[derive(Args, PartialEq)]
 pub struct MemoryArgs {
-    /// Most memory for what is read and for the picture, like `8G` or `500M`: what takes more is refused, with its bytes,
-    /// before it is made [default: what the machine has left]
+    /// Most memory for the scene, and for the picture, like `8G` or `500M`: what takes more is refused, with its bytes, before
+    /// it is made [default: what the machine has left]
     #[arg(long, value_name = "SIZE", value_parser = parse_bytes)]
     max_memory: Option<u64>,
 }

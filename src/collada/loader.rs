@@ -70,7 +70,7 @@ impl<'a> Loader<'a> {
             cameras: HashMap::new(),
             nodes: HashMap::new(),
             default_material: None,
-            memory: options.max_bytes,
+            memory: xml.left_bytes,
         };
         for element in xml.all() {
             let Some(id) = element.attribute("id") else { continue };
@@ -125,7 +125,10 @@ impl<'a> Loader<'a> {
         let most = self.options.max_bytes;
         self.memory = self.memory.checked_sub(bytes as u64).ok_or_else(|| {
             element
-                .fault(format!("with this <{}> the scene takes more than {most} bytes of memory", element.name()))
+                .fault(format!(
+                    "with this <{}> the file and its scene take more than {most} bytes of memory",
+                    element.name()
+                ))
                 .hint("raise --max-memory if the file is right")
         })?;
         Ok(())

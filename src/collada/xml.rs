@@ -16,6 +16,8 @@ pub struct Xml {
     pub source: String,
     elements: Vec<Record>,
     attributes: Vec<Attribute>,
+    /// What text and arena have left of the memory.
+    pub left_bytes: u64,
 }
 
 struct Record {
@@ -46,7 +48,7 @@ enum Piece {
 /// elements that text and arena take more than `max_bytes` (an element of four letters takes 30 times as many bytes).
 /// The source is handed back with the fault so that the caller can show the place.
 pub fn parse(source: String, max_bytes: u64) -> Result<Xml, Box<(Fault, Xml)>> {
-    let mut xml = Xml { source: String::new(), elements: Vec::new(), attributes: Vec::new() };
+    let mut xml = Xml { source: String::new(), elements: Vec::new(), attributes: Vec::new(), left_bytes: 0 };
     let result = xml.fill(&source, max_bytes);
     xml.source = source;
     match result {
@@ -61,7 +63,7 @@ fn fault(span: Range<usize>, message: impl Into<String>) -> Fault {
 
 impl Xml {
     fn fill(&mut self, source: &str, max_bytes: u64) -> Result<(), Fault> {
-        let mut left = max_bytes.saturating_sub(source.len() as u64);
+        self.left_bytes = max_bytes.saturating_sub(source.len() as u64);
         let mut reader = Reader::from_str(source);
         let mut open: Vec<usize> = Vec::new();
         loop {
@@ -76,7 +78,7 @@ impl Xml {
                 Event::Text(_) | Event::CData(_) | Event::GeneralRef(_) => size_of::<Piece>(),
                 _ => 0,
             };
-            left = left.checked_sub(taken as u64).ok_or_else(|| {
+            self.left_bytes = self.left_bytes.checked_sub(taken as u64).ok_or_else(|| {
                 fault(start..end, format!("so many elements take more than {max_bytes} bytes of memory"))
                     .hint("raise --max-memory if the file is right")
             })?;

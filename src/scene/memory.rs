@@ -26,7 +26,8 @@ const CHOICE_BYTES: u64 = 16;
 pub fn check(document: &Document, placements: &[(usize, Mat4)], limit: u64) -> Result<u64, BuildError> {
     let shines = |material: usize| document.materials.get(material).is_some_and(|m| m.emission.is_some());
     let mut met = vec![false; document.geometries.len()];
-    let mut bytes = 0u64;
+    // The document itself stays.
+    let mut bytes: u64 = document.geometries.iter().map(|geometry| document_bytes(&geometry.shape)).sum();
     for (node, _) in placements {
         for item in &document.nodes[*node].items {
             let place = size_of::<Place>() as u64 + INSTANCE_BYTES;
@@ -48,6 +49,14 @@ pub fn check(document: &Document, placements: &[(usize, Mat4)], limit: u64) -> R
     if bytes > limit { Err(BuildError::Memory { bytes, limit }) } else { Ok(limit - bytes) }
 }
 
+fn document_bytes(shape: &Shape) -> u64 {
+    match shape {
+        Shape::Mesh(mesh) => mesh.bytes() as u64,
+        Shape::Sphere { .. } => 0,
+    }
+}
+
+/// Of what is built from it.
 fn mesh_bytes(mesh: &Mesh) -> u64 {
     let vertex = VERTEX_BYTES + UV_BYTES * mesh.uv_sets.len() as u64;
     mesh.triangles.len() as u64 * TRIANGLE_BYTES + mesh.positions.len() as u64 * vertex

@@ -78,5 +78,10 @@ fn meshes_of_one_shared_array_are_counted_in_bytes() {
         ),
         ("<node id=\"front\">", &format!("{placed}<node id=\"front\">")),
     ]);
-    refuses(&folder, text, &["--max-memory", "50M"], &["the scene takes more than 50000000 bytes of memory"]);
+    refuses(
+        &folder,
+        text,
+        &["--max-memory", "50M"],
+        &["the file and its scene take more than 50000000 bytes of memory"],
+    );
 }
