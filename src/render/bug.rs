@@ -10,9 +10,12 @@ use super::RenderError;
 /// Where a thread is: the pixels of a group, by their numbers in the tile, and the sample.
 pub type At<'a> = Cell<Option<(&'a [u32], u32)>>;
 
-/// The first panic of a render.
+/// A pixel and one of its samples.
+pub type Place = ([u32; 2], u32);
+
+/// The first panic of a render: where, where that is known, and why.
 #[derive(Default)]
-pub struct Bug(OnceLock<(Option<([u32; 2], u32)>, String)>);
+pub struct Bug(OnceLock<(Option<Place>, String)>);
 
 impl Bug {
     /// True once a thread has met it: the others have no reason to go on.
@@ -21,7 +24,7 @@ impl Bug {
     }
 
     /// What `work` gives, or `None` where it panics; `culprit` then finds the pixel and the sample.
-    pub fn guard<T>(&self, work: impl FnOnce() -> T, culprit: impl FnOnce() -> Option<([u32; 2], u32)>) -> Option<T> {
+    pub fn guard<T>(&self, work: impl FnOnce() -> T, culprit: impl FnOnce() -> Option<Place>) -> Option<T> {
         // A tile takes over what was rendered only once all of it is there: half of it is never seen.
         match catch_unwind(AssertUnwindSafe(work)) {
             Ok(done) => Some(done),

@@ -58,12 +58,11 @@ fn claims() -> Vec<(&'static str, Vec<u8>)> {
     jpeg[frame + 5..frame + 7].copy_from_slice(&big[2..]);
     jpeg[frame + 7..frame + 9].copy_from_slice(&big[2..]);
     let tag = |number: u16, value: u32| [&number.to_le_bytes()[..], &[4, 0, 1, 0, 0, 0], &value.to_le_bytes()].concat();
-    let mut tiff = encoded(ImageFormat::Tiff, 7);
-    for number in [256u16, 257] {
-        // The kind of the field is the encoder's choice.
-        let at = tiff.windows(2).rposition(|bytes| bytes == number.to_le_bytes()).expect("a tag");
-        tiff.splice(at..at + 12, tag(number, SIDE));
-    }
+    // Grey, 8 bits, one strip as long as promised.
+    let tags =
+        [(256, SIDE), (257, SIDE), (258, 8), (259, 1), (262, 1), (273, 8), (277, 1), (278, SIDE), (279, SIDE * SIDE)];
+    let entries: Vec<u8> = tags.iter().flat_map(|&(number, value)| tag(number, value)).collect();
+    let tiff = [&b"II*\0\x08\0\0\0\x09\0"[..], &entries, &[0; 4]].concat();
     let hdr = patched(encoded(ImageFormat::Hdr, 7), b"-Y 7 +X 7", b"-Y 29999 +X 29999");
     let mut window = b"dataWindow\0box2i\0\x10\0\0\0".to_vec();
     let old = [window.clone(), [0, 0, 6, 6].iter().flat_map(|n: &i32| n.to_le_bytes()).collect()].concat();

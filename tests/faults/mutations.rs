@@ -13,6 +13,9 @@ const USUAL: usize = 30;
 /// Beyond this a file is mostly numbers of one mesh.
 const LARGEST: usize = 200_000;
 
+/// A way into the program.
+type Take = fn(&[u8]);
+
 /// xorshift64*, so that every run tries the same.
 struct Random(u64);
 
@@ -114,7 +117,7 @@ fn scenes(folder: PathBuf) -> Vec<PathBuf> {
 }
 
 /// Hands the bytes over; where that panics or takes too long, says which and keeps them.
-fn survive(name: &str, bytes: &[u8], take: fn(&[u8])) {
+fn survive(name: &str, bytes: &[u8], take: Take) {
     let start = Instant::now();
     let survived = catch_unwind(AssertUnwindSafe(|| take(bytes))).is_ok();
     if !survived || start.elapsed() > PATIENCE {
@@ -179,7 +182,7 @@ fn nan_and_infinity_in_every_place_are_scenes_or_errors() {
 /// What fuzzing and these tests have found, fixed, and must not come back.
 #[test]
 fn what_was_found_stays_fixed() {
-    let takers: [(&str, fn(&[u8])); 9] = [
+    let takers: [(&str, Take); 9] = [
         ("scene", feed::scene),
         ("picture", feed::picture),
         ("archive", feed::archive),
