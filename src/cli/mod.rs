@@ -9,6 +9,7 @@ mod denoise_args;
 mod encode;
 mod file_args;
 mod film;
+mod memory_args;
 mod merge;
 mod progress;
 mod raster_args;
@@ -20,6 +21,7 @@ mod stack_args;
 mod stops;
 mod turntable;
 
+use std::ffi::OsString;
 use std::io::Write;
 use std::process::ExitCode;
 use std::sync::LazyLock;
@@ -32,7 +34,7 @@ use crate::error::Error;
 /// A path tracer for iridescence: light interfering in thin films.
 #[derive(Parser)]
 #[command(version = VERSION.as_str(), propagate_version = true, max_term_width = 100)]
-struct Cli {
+pub struct Cli {
     #[command(subcommand)]
     command: Command,
 }
@@ -50,9 +52,17 @@ enum Command {
     Chart(Box<chart::ChartArgs>),
 }
 
+/// Understands a command line, the program's name first.
+///
+/// # Errors
+/// What is wrong with it, or the help that it asks for.
+pub fn parse(words: impl IntoIterator<Item = OsString>) -> Result<Cli, clap::Error> {
+    Cli::try_parse_from(words)
+}
+
 /// Runs the program: 0 when all is done, else the code that [`Error::exit_code`] documents.
 pub fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = parse(std::env::args_os()).unwrap_or_else(|error| error.exit());
     let result = match cli.command {
         Command::Render(args) => render::run(&args),
         Command::Turntable(args) => turntable::run(&args),

@@ -38,6 +38,7 @@ fn read<'a>(loader: &mut Loader<'a>, geometry: Element<'a>) -> Result<Option<Sha
     let id = geometry.attribute("id").unwrap_or_default();
     if let Some(mesh) = geometry.child("mesh") {
         let mesh = mesh::read(loader, mesh)?;
+        loader.take(geometry, mesh.bytes())?;
         if mesh.triangles.is_empty() {
             loader.warnings.add(geometry, format!("geometry `{id}` has no triangles"), "it is ignored");
             return Ok(None);
