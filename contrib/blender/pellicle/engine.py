@@ -13,6 +13,7 @@ from pathlib import Path
 
 import bpy
 
+from . import exr
 from .program import ProgramMissing, Run, find, render_command
 
 # Seconds between looks at the program.
@@ -76,7 +77,7 @@ class PellicleEngine(bpy.types.RenderEngine):
             self._watch(run)
             if run.finish() not in (0, 130) or not Path(picture).is_file():
                 raise ProgramMissing("\n".join(run.messages[-4:]))
-            self._show(scene, picture)
+            self._show(picture)
 
     def _watch(self, run: Run) -> None:
         while run.running():
@@ -86,9 +87,9 @@ class PellicleEngine(bpy.types.RenderEngine):
             self.update_stats("pellicle", run.state)
             time.sleep(_INTERVAL_S)
 
-    def _show(self, scene: bpy.types.Scene, picture: str) -> None:
-        scale = scene.render.resolution_percentage / 100.0
-        width, height = int(scene.render.resolution_x * scale), int(scene.render.resolution_y * scale)
+    def _show(self, picture: str) -> None:
+        pixels = exr.read(Path(picture))
+        height, width, _ = pixels.shape
         result = self.begin_result(0, 0, width, height)
-        result.layers[0].load_from_file(picture)
+        result.layers[0].passes["Combined"].rect.foreach_set(pixels[::-1].ravel())
         self.end_result(result)
