@@ -59,7 +59,9 @@ class PellicleEngine(bpy.types.RenderEngine):
             # Blender prints what its engines raise and goes on: the exporter has to hear of it.
             PellicleEngine._fault = fault
             if visitor is None:
-                self.error_set(str(fault))
+                # Without a result Blender crashes when it is to write one.
+                self.end_result(self.begin_result(0, 0, depsgraph.scene.render.resolution_x, depsgraph.scene.render.resolution_y))
+                self.report({"ERROR"}, str(fault))
 
     def _picture(self, depsgraph: bpy.types.Depsgraph) -> None:
         from .exporter import Options, Writer

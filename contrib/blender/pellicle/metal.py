@@ -2,12 +2,13 @@
 
 Blender's F82 model says what a metal reflects straight on and at about 82 degrees (Kutz, Hasan & Edmondson 2021). A film
 needs the complex index n + ik underneath. Straight-on reflectance leaves one degree of freedom, which the reflectance at 82
-degrees decides, channel by channel.
+degrees decides, at each of the three wavelengths between which the renderer interpolates indices.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 # The angle where the F82 model puts its tint.
 COS_82 = 1.0 / 7.0
@@ -18,6 +19,15 @@ _STEPS = 400
 # Reflectances that nobody can tell apart, and the extinction of gold, silver and copper in the middle of the spectrum.
 _TOLERANCE = 0.003
 _USUAL_K = 3.0
+
+# Linear sRGB to reflectances at 614, 549 and 466 nm, which have that colour where spectra are linear in between: the inverse
+# of the colours of three hats, by the CIE 1931 observer under equal energy, adapted (Bradford) to white.
+_WAVES = ((0.851861, 0.044743, 0.103396), (-0.096873, 1.269335, -0.172462), (0.024225, 0.036849, 0.938925))
+
+
+def wave_reflectances(rgb: Sequence[float]) -> list[float]:
+    """What a surface of this colour reflects at the wavelengths of an RGB triple of indices."""
+    return [sum(weight * value for weight, value in zip(row, rgb)) for row in _WAVES]
 
 
 def reflectance(n: float, k: float, cos: float) -> float:

@@ -189,7 +189,7 @@ def _emitter(radiance: Rgb) -> Surface:
 
 
 def _conductor(f0: Rgb, f82: list[float] | Rgb) -> Element:
-    pairs = [metal.index(*channel) for channel in zip(f0, f82)]
+    pairs = [metal.index(*wave) for wave in zip(metal.wave_reflectances(f0), metal.wave_reflectances(f82))]
     return Element("conductor", eta=reals([n for n, _ in pairs], 7), k=reals([k for _, k in pairs], 7))
 
 

@@ -17,6 +17,8 @@ import pellicle  # noqa: E402
 from pellicle.exporter import Options, Report, export  # noqa: E402
 
 PROGRAM = os.environ.get("PELLICLE_PROGRAM", "pellicle")
+# The add-on looks for it on PATH.
+os.environ["PATH"] = f"{Path(PROGRAM).parent}{os.pathsep}{os.environ['PATH']}"
 FOLDER = Path(tempfile.mkdtemp(prefix="pellicle-blender-"))
 
 
@@ -107,9 +109,9 @@ def written(name: str, **options: bool) -> tuple[str, Report]:
 
 
 def run(*arguments: str) -> str:
-    """What the program prints; a test fails with its messages."""
+    """What the program prints; a test fails with its messages, warnings too."""
     done = subprocess.run([PROGRAM, *arguments], capture_output=True, text=True)
-    if done.returncode:
+    if done.returncode or "warning" in done.stderr:
         raise AssertionError(f"pellicle {' '.join(arguments)}: {done.stderr}")
     return done.stdout
 
