@@ -1,10 +1,13 @@
 """One scene by Cycles and by pellicle, side by side, with the numbers of docs/blender.md:
 
-    PELLICLE_PROGRAM=pellicle python3 contrib/blender/tests/comparison.py docs/blender.png     (a Python with bpy)
+    PELLICLE_PROGRAM=pellicle python3 contrib/blender/tests/comparison.py docs/blender.png
+
+with a Python that has bpy. Without a picture it compares films alone, on flat sheets.
 """
 
 from __future__ import annotations
 
+import json
 import math
 import os
 import sys
@@ -14,12 +17,15 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from studio import FOLDER, ball, cycles, empty, lamp, material, pixels, place, run, sheet, with_nodes, written
+from studio import ball, cycles, empty, lamp, material, ours, pixels, run, sheet, with_nodes, written
 
 SIZE = (480, 270)
-SAMPLES = int(os.environ.get("SAMPLES", "1024"))
-# The balls from left to right: name, column and row of the middle in shares of the picture, found from the camera.
+SAMPLES = int(os.environ.get("SAMPLES", "256"))
+ANGLES_DEG = (20, 60, 80)
 BALLS: list[tuple[str, bpy.types.Object]] = []
+GOLD = {"fresnel_type": "PHYSICAL_CONDUCTOR", "IOR": (0.143, 0.375, 1.442), "Extinction": (3.983, 2.386, 1.603)}
+TITANIUM = {"fresnel_type": "PHYSICAL_CONDUCTOR", "IOR": (2.75, 2.54, 2.27), "Extinction": (3.79, 3.43, 3.04)}
+COPPER = {"Base_Color": (0.955, 0.638, 0.538), "Metallic": 1.0}
 
 
 def build() -> bpy.types.Scene:
@@ -29,45 +35,84 @@ def build() -> bpy.types.Scene:
     scene.cycles.caustics_reflective = scene.cycles.caustics_refractive = True
     scene.cycles.blur_glossy = 0.0
     surfaces = {
-        "film on gold": material(
-            "gold", "BsdfMetallic", fresnel_type="PHYSICAL_CONDUCTOR", IOR=(0.143, 0.375, 1.442), Extinction=(3.983, 2.386, 1.603),
-            Roughness=0.15, Thin_Film_Thickness=550.0, Thin_Film_IOR=1.33,
-        ),
-        "film on glass": material("glass", "BsdfGlass", Color=(1, 1, 1), Roughness=0.0, IOR=1.5, Thin_Film_Thickness=400.0, Thin_Film_IOR=2.2),
-        "metal by colour": material("copper", "BsdfPrincipled", Base_Color=(0.955, 0.638, 0.538), Metallic=1.0, Roughness=0.3),
+        "film on gold": film("BsdfMetallic", 550.0, 1.33, **GOLD, Roughness=0.15),
+        "film on glass": film("BsdfGlass", 400.0, 2.2, Color=(1, 1, 1), Roughness=0.0, IOR=1.5),
+        "metal by colour": material("copper", "BsdfPrincipled", **COPPER, Roughness=0.3),
         "matte": material("matte", "BsdfDiffuse", Color=(0.2, 0.4, 0.7)),
-        "film on titanium": material(
-            "titanium", "BsdfMetallic", fresnel_type="PHYSICAL_CONDUCTOR", IOR=(2.75, 2.54, 2.27), Extinction=(3.79, 3.43, 3.04),
-            Roughness=0.25, Thin_Film_Thickness=120.0, Thin_Film_IOR=2.4,
-        ),
-    }  # fmt: skip
+        "film on titanium": film("BsdfMetallic", 120.0, 2.4, **TITANIUM, Roughness=0.25),
+    }
     for number, (name, surface) in enumerate(surfaces.items()):
-        BALLS.append((name, ball(0.45, (number - 2.0, 0.25 * (number % 2), 0.45), surface, name)))
-    sheet(12.0, (0, 0, 0), material("floor", "BsdfDiffuse", Color=(0.6, 0.6, 0.6)))
+        BALLS.append((name, ball(0.45, (number - 2.0, -0.9 + 0.45 * number, 0.45), surface, name)))
+    sheet(80.0, (0, 0, 0), material("floor", "BsdfDiffuse", Color=(0.6, 0.6, 0.6)))
     lamp("AREA", (-2.0, -1.5, 3.0), (math.radians(30), math.radians(-25), 0), energy=120.0, shape="RECTANGLE", size=1.5, size_y=1.0)
     lamp("SUN", (0, 0, 5), (math.radians(35), math.radians(30), 0), energy=1.0, angle=math.radians(3.0))
     sky(scene)
     camera = scene.camera
-    camera.location, camera.rotation_euler = (0.0, -6.0, 1.6), (math.radians(79.0), 0.0, 0.0)
-    camera.data.lens, camera.data.dof.use_dof, camera.data.dof.aperture_fstop = 50.0, True, 0.7
-    camera.data.dof.focus_object = BALLS[0][1]
+    camera.location, camera.rotation_euler = (0.0, -6.0, 1.7), (math.radians(78.0), 0.0, 0.0)
+    camera.data.lens, camera.data.dof.use_dof, camera.data.dof.aperture_fstop = 38.0, True, 0.5
+    camera.data.dof.focus_object = BALLS[2][1]
     return scene
 
 
-def sky(scene: bpy.types.Scene) -> None:
-    """A dusky gradient with a bright window."""
-    v = np.linspace(0.0, 1.0, 128)[:, None, None]
-    texels = np.ones((128, 256, 4), np.float32)
-    texels[..., :3] = np.where(v > 0.5, (0.25, 0.35, 0.55) + 0.5 * (1.0 - v), 0.1)
-    texels[80:100, 150:170, :3] = 8.0
-    image = bpy.data.images.new("sky", 256, 128, float_buffer=True)
+def film(shader: str, thickness_nm: float, ior: float, **inputs: object) -> bpy.types.Material:
+    return material("film", shader, Thin_Film_Thickness=thickness_nm, Thin_Film_IOR=ior, **inputs)
+
+
+def films() -> None:
+    """Flat smooth sheets under a white upper half of the world: what they reflect at three angles."""
+    cases = {
+        "bare gold by n, k": lambda: material("gold", "BsdfMetallic", **GOLD, Roughness=0.0),
+        "550 nm of 1.33 on it": lambda: film("BsdfMetallic", 550.0, 1.33, **GOLD, Roughness=0.0),
+        "120 nm of 2.4 on titanium": lambda: film("BsdfMetallic", 120.0, 2.4, **TITANIUM, Roughness=0.0),
+        "copper by colour": lambda: material("copper", "BsdfPrincipled", **COPPER, Roughness=0.0),
+        "300 nm of 1.5 on it": lambda: film("BsdfPrincipled", 300.0, 1.5, **COPPER, Roughness=0.0),
+        "400 nm of 2.2 on glass": lambda: film("BsdfGlass", 400.0, 2.2, Color=(1, 1, 1), Roughness=0.0, IOR=1.5),
+    }
+    print("| surface | angle | Cycles | pellicle, RGB | pellicle, spectral |")
+    for name, surface in cases.items():
+        for angle_deg in ANGLES_DEG:
+            scene = empty(16, 16, samples=1024)
+            half(scene)
+            sheet(4.0, (0, 0, 0), surface())
+            angle = math.radians(angle_deg)
+            scene.camera.data.type, scene.camera.data.ortho_scale = "ORTHO", 0.05
+            scene.camera.rotation_euler = (angle, 0, 0)
+            scene.camera.location = (0, -3.0 * math.sin(angle), 3.0 * math.cos(angle))
+            rows = [cycles("film"), *(ours("film", "--mode", mode, "--spp", "1024") for mode in ("rgb", "spectral"))]
+            print(f"| {name} | {angle_deg} | {' | '.join(triple(row.mean(axis=(0, 1))) for row in rows)} |", flush=True)
+
+
+def half(scene: bpy.types.Scene) -> None:
+    """A world that is white above and black below."""
+    texels = np.ones((64, 8, 4), np.float32)
+    texels[:32, :, :3] = 0.0
+    texture(scene, texels, 1.0)
+
+
+def texture(scene: bpy.types.Scene, texels: np.ndarray, strength: float) -> None:
+    """Puts a panorama, the lower row first, around the scene."""
+    rows, columns, _ = texels.shape
+    image = bpy.data.images.new("world", columns, rows, float_buffer=True)
     image.pixels.foreach_set(texels.ravel())
     image.update()
     tree = with_nodes(scene.world)
     node = tree.nodes.new("ShaderNodeTexEnvironment")
     node.image = image
     tree.links.new(node.outputs["Color"], tree.nodes["Background"].inputs["Color"])
-    tree.nodes["Background"].inputs["Strength"].default_value = 0.6
+    tree.nodes["Background"].inputs["Strength"].default_value = strength
+
+
+def triple(values: np.ndarray) -> str:
+    return " ".join(f"{value:.3f}" for value in values)
+
+
+def sky(scene: bpy.types.Scene) -> None:
+    """A dusky gradient with a bright window."""
+    v = np.linspace(0.0, 1.0, 128)[:, None, None]
+    texels = np.ones((128, 256, 4), np.float32)
+    texels[..., :3] = (0.25, 0.35, 0.55) + 0.5 * (1.0 - np.maximum(v, 0.5))
+    texels[80:100, 150:170, :3] = 8.0
+    texture(scene, texels, 0.6)
 
 
 def regions(scene: bpy.types.Scene) -> dict[str, tuple[slice, slice]]:
@@ -87,30 +132,27 @@ def around(x: float, y: float, half: int) -> tuple[slice, slice]:
     return slice(max(int(y) - half, 0), int(y) + half), slice(max(int(x) - half, 0), int(x) + half)
 
 
-def main() -> int:
+def main() -> None:
+    if len(sys.argv) < 2:
+        films()
+        return
     scene = build()
     began = time.process_time()
     reference = cycles("comparison")
     cycles_s = time.process_time() - began
     path, report = written("comparison")
     print(report.summary(), *report.notes, sep="\n  ")
-    picture = path.replace(".dae", ".exr")
-    stats = str(FOLDER / "stats.json")
-    run("render", path, "-o", picture, "--float", "-q", "--filter", "box", "--spp", str(SAMPLES), "--mode", "auto", "--stats", stats)
-    found = pixels(picture)
-    print(f"Cycles {cycles_s:.0f} CPU s; {Path(stats).read_text()[:600]}")
+    picture, stats = path.replace(".dae", ".exr"), path.replace(".dae", ".json")
+    run("render", path, "-o", picture, "--float", "-q", "--filter", "box", "--spp", str(SAMPLES), "--stats", stats)
+    found, figures = pixels(picture), json.loads(Path(stats).read_text())
+    print(f"{SAMPLES} samples: Cycles {cycles_s:.0f} CPU s, pellicle {figures['render_cpu_s']:.0f} CPU s, {figures['mode']}")
     print("| region | Cycles | pellicle | difference |")
     for name, (rows, columns) in regions(scene).items():
         a, b = reference[rows, columns].mean(axis=(0, 1)), found[rows, columns].mean(axis=(0, 1))
         shares = ", ".join(f"{100 * (y / x - 1):+.1f} %" for x, y in zip(a, b))
-        triple = lambda values: " ".join(f"{value:.3f}" for value in values)  # noqa: E731
         print(f"| {name} | {triple(a)} | {triple(b)} | {shares} |")
-    whole = found.mean() / reference.mean() - 1.0
-    print(f"whole picture: {100 * whole:+.2f} % of brightness, mean |difference| {np.abs(found - reference).mean() / reference.mean():.4f}")
-    np.savez(FOLDER / "pictures.npz", cycles=reference, pellicle=found)
+    print(f"the whole picture: {100 * (found.mean() / reference.mean() - 1.0):+.2f} %")
     side_by_side(sys.argv[1], reference, found)
-    sys.stdout.flush()
-    os._exit(0)
 
 
 def side_by_side(path: str, left: np.ndarray, right: np.ndarray) -> None:
@@ -127,3 +169,6 @@ def side_by_side(path: str, left: np.ndarray, right: np.ndarray) -> None:
 
 if __name__ == "__main__":
     main()
+    sys.stdout.flush()
+    # Blender as a module may hang while Python takes it apart.
+    os._exit(0)
