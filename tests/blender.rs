@@ -73,6 +73,8 @@ fn numbers_images_and_channels() {
 #[test]
 fn scenes_of_blender_are_what_they_were() {
     if has("bpy", "pip install bpy") {
-        pass(&["test_scenes.py"]);
+        for scenarios in ["test_lights.py", "test_surfaces.py", "test_scenes.py"] {
+            pass(&[scenarios]);
+        }
     }
 }

@@ -71,12 +71,16 @@ class Collector:
         self.geometries: dict[str, Geometry] = {}
         self.materials: dict[str, str] = {}
         self._effects: dict[str, tuple[Element, set[TexCoord]]] = {}
+        # The mesh of each node of the first snapshot.
+        self._placed: dict[Key, str] = {}
         self._first = True
 
     def take(self, depsgraph: bpy.types.Depsgraph) -> Snapshot:
         """Meshes are read in the first snapshot only; later ones look whether they have changed."""
         shot = Snapshot()
+        # Of this moment: meshes and their digests by where Blender keeps them, effects that are up to date.
         self._shared: dict[tuple, str] = {}
+        self._digests: dict[int, bytes] = {}
         self._fresh: set[str] = set()
         for instance in depsgraph.object_instances:
             self._add(shot, instance, depsgraph.scene)
@@ -111,10 +115,17 @@ class Collector:
         data = entity.data
         if not data.polygons:
             return
-        self._visibility(entity)
+        self._remarks(entity)
         used = _materials(entity)
         effects = {slot: self._material(shot, owner, entity, matrix) for slot, owner in used.items()}
-        geometry = self._geometry(data, effects)
+        if self._first:
+            self._placed[key] = self._geometry(data, effects)
+        elif key in self._placed:
+            self._compare(self.geometries[self._placed[key]], data)
+        else:
+            self.notes.add(f"object `{entity.name}`", "is not there in the first frame: it is left out")
+            return
+        geometry = self._placed[key]
         bindings = {mesh.symbol(slot): f"{effect}-material" for slot, effect in effects.items()}
         uv_names = [name for name, _ in self.geometries[geometry].mesh.uv_sets]
         self._place(shot, key, entity.name, matrix, collada.instance_geometry(geometry, bindings, uv_names))
@@ -122,16 +133,19 @@ class Collector:
     def _geometry(self, data: bpy.types.Mesh, effects: dict[int, str]) -> str:
         """The id of a mesh, which is read once however often it is placed."""
         texcoords = tuple(sorted(set().union(*(self._effects[effect][1] for effect in effects.values())), key=TexCoord.name))
-        pointer = (data.as_pointer(), texcoords)
-        if pointer not in self._shared:
-            identity = self.names.of(("mesh", data.name, len(self._shared)), f"{data.name}-mesh")
-            digest = mesh.digest(data)
-            if self._first:
-                self.geometries[identity] = Geometry(identity, data.name, mesh.read(data, texcoords), digest)
-            elif identity in self.geometries and self.geometries[identity].digest != digest:
-                self.notes.add(f"mesh `{data.name}`", "changes its form over time: it stays as at the first frame")
-            self._shared[pointer] = identity if identity in self.geometries else next(iter(self.geometries))
-        return self._shared[pointer]
+        shared = (data.as_pointer(), texcoords)
+        if shared not in self._shared:
+            identity = self.names.of(("mesh", shared), f"{data.name}-mesh")
+            self.geometries[identity] = Geometry(identity, data.name, mesh.read(data, texcoords), mesh.digest(data))
+            self._shared[shared] = identity
+        return self._shared[shared]
+
+    def _compare(self, geometry: Geometry, data: bpy.types.Mesh) -> None:
+        pointer = data.as_pointer()
+        if pointer not in self._digests:
+            self._digests[pointer] = mesh.digest(data)
+        if self._digests[pointer] != geometry.digest:
+            self.notes.add(f"mesh `{data.name}`", "changes its form over time: it stays as at the first frame")
 
     def _material(self, shot: Snapshot, owner: bpy.types.Material | None, entity: bpy.types.Object, matrix: Matrix) -> str:
         """The id of a material's effect. Only materials that may have changed are read again."""
@@ -150,6 +164,9 @@ class Collector:
     def _lamp(self, shot: Snapshot, key: Key, entity: bpy.types.Object, matrix: Matrix, scene: bpy.types.Scene) -> None:
         scale = tuple(round(matrix.col[axis].length, 6) for axis in (0, 1))
         hidden = not (entity.visible_camera or entity.visible_glossy or entity.visible_transmission)
+        linking = entity.light_linking
+        if linking.receiver_collection is not None or linking.blocker_collection is not None:
+            self.notes.add(f"light `{entity.name}`: light linking", "it shines on everything here")
         identity = self.names.of(("light", entity.data.original.name_full, scale, hidden), f"{entity.data.name}-light")
         lamp = light.translate(identity, entity.data, scale, hidden, self.notes)
         if lamp.width > 0.0 and not entity.visible_camera and not hidden and _in_view(matrix, lamp.width, scene):
@@ -159,13 +176,16 @@ class Collector:
         place = matrix if entity.data.type == "AREA" else _rigid(matrix)
         self._place(shot, key, entity.name, place, Element("instance_light", url=f"#{identity}"), lamp.size)
 
-    def _visibility(self, entity: bpy.types.Object) -> None:
+    def _remarks(self, entity: bpy.types.Object) -> None:
         for name in ("visible_camera", "visible_diffuse", "visible_glossy", "visible_transmission", "visible_shadow"):
             if not getattr(entity, name):
                 self.notes.add(f"object `{entity.name}`: `{name}` is off", "all rays see it here")
         for name in ("is_holdout", "is_shadow_catcher"):
             if getattr(entity, name):
                 self.notes.add(f"object `{entity.name}`: `{name}`", "it is an ordinary object here")
+        for system in entity.particle_systems:
+            if system.settings.render_type in ("PATH", "HALO", "LINE"):
+                self.notes.add(f"object `{entity.name}`: the strands or points of `{system.name}`", "are not translated")
 
 
 def _ancestry(instance: bpy.types.DepsgraphObjectInstance) -> tuple:

@@ -17,7 +17,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from studio import ball, cycles, empty, lamp, material, ours, pixels, run, sheet, with_nodes, written
+from studio import ball, cycles, empty, lamp, material, ours, pixels, run, sheet, texture, written
 
 SIZE = (480, 270)
 SAMPLES = int(os.environ.get("SAMPLES", "256"))
@@ -87,19 +87,6 @@ def half(scene: bpy.types.Scene) -> None:
     texels = np.ones((64, 8, 4), np.float32)
     texels[:32, :, :3] = 0.0
     texture(scene, texels, 1.0)
-
-
-def texture(scene: bpy.types.Scene, texels: np.ndarray, strength: float) -> None:
-    """Puts a panorama, the lower row first, around the scene."""
-    rows, columns, _ = texels.shape
-    image = bpy.data.images.new("world", columns, rows, float_buffer=True)
-    image.pixels.foreach_set(texels.ravel())
-    image.update()
-    tree = with_nodes(scene.world)
-    node = tree.nodes.new("ShaderNodeTexEnvironment")
-    node.image = image
-    tree.links.new(node.outputs["Color"], tree.nodes["Background"].inputs["Color"])
-    tree.nodes["Background"].inputs["Strength"].default_value = strength
 
 
 def triple(values: np.ndarray) -> str:

@@ -6,7 +6,9 @@ import os
 import subprocess
 import sys
 import tempfile
+import unittest
 from pathlib import Path
+from xml.etree import ElementTree
 
 import bpy
 import numpy as np
@@ -19,6 +21,7 @@ from pellicle.exporter import Options, Report, export  # noqa: E402
 PROGRAM = os.environ.get("PELLICLE_PROGRAM", "pellicle")
 # The add-on looks for it on PATH.
 os.environ["PATH"] = f"{Path(PROGRAM).parent}{os.pathsep}{os.environ['PATH']}"
+NAMES = {"c": "http://www.collada.org/2005/11/COLLADASchema"}
 FOLDER = Path(tempfile.mkdtemp(prefix="pellicle-blender-"))
 
 
@@ -138,3 +141,45 @@ def pixels(path: str) -> np.ndarray:
     image.pixels.foreach_get(values)
     bpy.data.images.remove(image)
     return values.reshape(rows, columns, 4)[:, :, :3].astype(np.float64)
+
+
+def texture(scene: bpy.types.Scene, texels: np.ndarray, strength: float) -> None:
+    """Puts a panorama, the lower row first, around the scene."""
+    rows, columns, _ = texels.shape
+    image = bpy.data.images.new("world", columns, rows, float_buffer=True)
+    image.pixels.foreach_set(texels.ravel())
+    image.update()
+    tree = with_nodes(scene.world)
+    node = tree.nodes.new("ShaderNodeTexEnvironment")
+    node.name, node.image = "panorama", image
+    tree.links.new(node.outputs["Color"], tree.nodes["Background"].inputs["Color"])
+    tree.nodes["Background"].inputs["Strength"].default_value = strength
+
+
+def base_of(path: str, effect: str) -> ElementTree.Element:
+    found = ElementTree.parse(path).find(f".//c:effect[@id='{effect}']/c:extra/c:technique[@profile='pellicle']", NAMES)
+    assert found is not None, effect
+    # Without the namespace, which our own names do not need.
+    for element in found.iter():
+        element.tag = element.tag.rpartition("}")[2]
+    return found[0]
+
+
+def element(path: str, place: str) -> ElementTree.Element:
+    """The first of these elements of a scene file; their names begin with `c:`."""
+    found = ElementTree.parse(path).find(place, NAMES)
+    assert found is not None, place
+    return found
+
+
+def numbers(text: str | None) -> list[float]:
+    return [float(word) for word in (text or "").split()]
+
+
+def finish() -> None:
+    """Runs the tests of the script and ends it."""
+    print(f"Blender {bpy.app.version_string}")
+    passed = unittest.main(exit=False).result.wasSuccessful()
+    sys.stdout.flush()
+    # Blender as a module may hang while Python takes it apart.
+    os._exit(0 if passed else 1)
