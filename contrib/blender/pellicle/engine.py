@@ -14,7 +14,9 @@ from pathlib import Path
 import bpy
 
 from . import exr
+from .preferences import program, render_options
 from .program import ProgramMissing, Run, find, render_command
+from .writer import Options, Writer
 
 # Seconds between looks at the program.
 _INTERVAL_S = 0.1
@@ -64,9 +66,6 @@ class PellicleEngine(bpy.types.RenderEngine):
                 self.report({"ERROR"}, str(fault))
 
     def _picture(self, depsgraph: bpy.types.Depsgraph) -> None:
-        from .exporter import Options, Writer
-        from .preferences import program, render_options
-
         scene = depsgraph.scene
         with tempfile.TemporaryDirectory(prefix="pellicle-") as folder:
             path = Path(folder) / "scene.dae"

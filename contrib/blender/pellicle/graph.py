@@ -80,6 +80,11 @@ class Input:
                 return here, Output(node, socket, here.groups)
 
 
+def tree_of(owner: bpy.types.Material | bpy.types.World) -> bpy.types.NodeTree | None:
+    """Its nodes; before Blender 5 they could be switched off."""
+    return owner.node_tree if bpy.app.version >= (5, 0, 0) or owner.use_nodes else None
+
+
 def surface(tree: bpy.types.NodeTree | None, socket: str) -> Output | None:
     """What is plugged into an output node: `Surface`, `Volume` or `Displacement`, as Cycles would take it."""
     output = tree.get_output_node("CYCLES") if tree is not None else None

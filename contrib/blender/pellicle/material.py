@@ -29,7 +29,7 @@ def translate(
     """The `<effect>`, and the texture coordinates that its maps need."""
     if material is None:
         return collada.effect(identity, Element("diffuse", reflectance=reals(_DEFAULT)), _DEFAULT), set()
-    tree = material.node_tree
+    tree = graph.tree_of(material)
     animated = tree is not None and tree.animation_data is not None
     reader = Reader(material.name, animated, pictures, notes, chord, meter)
     output = graph.surface(tree, "Surface")

@@ -217,11 +217,12 @@ def _rigid(matrix: Matrix) -> Matrix:
 
 
 def _in_view(matrix: Matrix, width: float, scene: bpy.types.Scene) -> bool:
-    """Whether a thing of this width may be seen by the camera."""
+    """Whether a square thing of this width may be seen by the camera."""
     if scene.camera is None:
         return False
     here = _rigid(scene.camera.matrix_world).inverted() @ matrix.translation
     depth = -here.z
     low, high = camera.frame(scene.camera.data, scene)
     spread = 1.0 if scene.camera.data.type == "ORTHO" else depth
-    return depth > 0.0 and all(low[axis] * spread - width < here[axis] < high[axis] * spread + width for axis in (0, 1))
+    reach = width * 0.5**0.5
+    return depth > 0.0 and all(low[axis] * spread - reach < here[axis] < high[axis] * spread + reach for axis in (0, 1))

@@ -23,7 +23,7 @@ def translate(world: bpy.types.World | None, pictures: Pictures, notes: Notes) -
     """The `<environment>`; `None` where it is black."""
     if world is None:
         return None
-    tree = world.node_tree
+    tree = graph.tree_of(world)
     if graph.surface(tree, "Volume") is not None:
         notes.add(f"world `{world.name}`: its volume", "is not translated")
     background = graph.surface(tree, "Surface")
