@@ -49,6 +49,11 @@ def positions(data: bpy.types.Mesh) -> np.ndarray:
     return column(data.vertices, "co", 3, np.float32)
 
 
+def slots(data: bpy.types.Mesh) -> list[int]:
+    """The material slots that polygons use."""
+    return np.unique(column(data.polygons, "material_index", 1, np.int32)).tolist()
+
+
 def digest(data: bpy.types.Mesh) -> bytes:
     """Tells whether a mesh is as it was."""
     return hashlib.blake2b(positions(data).tobytes(), digest_size=16).digest()

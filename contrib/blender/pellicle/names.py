@@ -12,15 +12,16 @@ class Names:
     def __init__(self) -> None:
         self._ids: dict[Hashable, str] = {}
         self._taken: set[str] = set()
+        # The number that the next thing of a name gets.
+        self._next: dict[str, int] = {}
 
     def of(self, key: Hashable, wanted: str) -> str:
         """The id of `key`, made from `wanted` when it is asked for the first time."""
         if key not in self._ids:
-            base = legal(wanted)
-            name, count = base, 1
+            base = name = legal(wanted)
             while name in self._taken:
-                count += 1
-                name = f"{base}_{count}"
+                self._next[base] = self._next.get(base, 1) + 1
+                name = f"{base}_{self._next[base]}"
             self._taken.add(name)
             self._ids[key] = name
         return self._ids[key]

@@ -81,6 +81,7 @@ class Collector:
         # Of this moment: meshes and their digests by where Blender keeps them, effects that are up to date.
         self._shared: dict[tuple, str] = {}
         self._digests: dict[int, bytes] = {}
+        self._slots: dict[int, list[int]] = {}
         self._fresh: set[str] = set()
         for instance in depsgraph.object_instances:
             self._add(shot, instance, depsgraph.scene)
@@ -116,7 +117,10 @@ class Collector:
         if not data.polygons:
             return
         self._remarks(entity)
-        used = _materials(entity)
+        pointer = data.as_pointer()
+        if pointer not in self._slots:
+            self._slots[pointer] = mesh.slots(data)
+        used = _materials(entity, self._slots[pointer])
         effects = {slot: self._material(shot, owner, entity, matrix) for slot, owner in used.items()}
         if self._first:
             self._placed[key] = self._geometry(data, effects)
@@ -195,13 +199,12 @@ def _ancestry(instance: bpy.types.DepsgraphObjectInstance) -> tuple:
     return (instance.parent.original.name_full, *(number for number in instance.persistent_id if number != 0x7FFFFFFF))
 
 
-def _materials(entity: bpy.types.Object) -> dict[int, bpy.types.Material | None]:
+def _materials(entity: bpy.types.Object, indices: list[int]) -> dict[int, bpy.types.Material | None]:
     """The material of each slot that polygons use: the object's own where a slot says so, else the mesh's."""
     data = entity.data
-    indices = np.unique(mesh.column(data.polygons, "material_index", 1, np.int32))
     slots = entity.material_slots
     used = {}
-    for index in indices.tolist():
+    for index in indices:
         if index < len(slots) and slots[index].link == "OBJECT":
             used[index] = slots[index].material
         else:

@@ -63,7 +63,7 @@ class Writer:
         render = scene.render
         self._times_s.append(scene.frame_current_final * render.fps_base / render.fps)
         values: animation.Values = {}
-        for element in shot.elements():
+        for element in shot.elements() if self._options.animation else ():
             values.update(animation.values(element))
         self._values.append(values)
 
@@ -92,7 +92,7 @@ class Writer:
         collector, first = self._collector, self._first
         if first is None:
             raise ExportError("Blender rendered no frame: is the view layer used for rendering?")
-        channels = animation.channels(self._values, self._times_s, self._notes) if len(self._values) > 1 else []
+        channels = animation.channels(self._values, self._times_s, self._notes)
         visual_scene = Element("visual_scene", id=collada.VISUAL_SCENE)
         visual_scene.extend(first.nodes.values())
         if first.environment is not None:
