@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from xml.etree.ElementTree import Element, SubElement
 
 import bpy
@@ -18,7 +19,9 @@ from .numerals import real
 _SAME_TURN = 0.01
 
 
-def translate(identity: str, camera: bpy.types.Camera, matrix: Matrix, scene: bpy.types.Scene, meter: float, notes: Notes) -> Element:
+def translate(
+    identity: str, camera: bpy.types.Camera, matrix: Matrix, scene: bpy.types.Scene, meter: float, notes: Notes
+) -> Element:
     """`matrix`: of its object, without scale."""
     note = lambda what, advice: notes.add(f"camera `{camera.name}`: {what}", advice)  # noqa: E731
     element = Element("camera", id=identity, name=camera.name)
@@ -64,7 +67,7 @@ def _shift(element: Element, middle: np.ndarray, half: np.ndarray, scene: bpy.ty
         technique(element, children, "blender")
 
 
-def _lens(camera: bpy.types.Camera, matrix: Matrix, meter: float, note) -> Element:
+def _lens(camera: bpy.types.Camera, matrix: Matrix, meter: float, note: Callable[[str, str], None]) -> Element:
     dof = camera.dof
     distance = dof.focus_distance
     if dof.focus_object is not None:

@@ -16,7 +16,7 @@ import bpy
 from . import exr
 from .preferences import program, render_options
 from .program import ProgramMissing, Run, find, render_command
-from .writer import Options, Writer
+from .writer import Options, Writer, picture_size
 
 # Seconds between looks at the program.
 _INTERVAL_S = 0.1
@@ -62,7 +62,7 @@ class PellicleEngine(bpy.types.RenderEngine):
             PellicleEngine._fault = fault
             if visitor is None:
                 # Without a result Blender crashes when it is to write one.
-                self.end_result(self.begin_result(0, 0, depsgraph.scene.render.resolution_x, depsgraph.scene.render.resolution_y))
+                self.end_result(self.begin_result(0, 0, *picture_size(depsgraph.scene)))
                 self.report({"ERROR"}, str(fault))
 
     def _picture(self, depsgraph: bpy.types.Depsgraph) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from xml.etree.ElementTree import Element, SubElement
 
@@ -18,6 +19,9 @@ from .numerals import real, reals
 # Blender's numbers for kinds of lamps and shapes of areas.
 _POINT, _SPOT, _AREA = "0", "2", "4"
 _RECTANGLE, _DISK = "1", "4"
+
+# Takes a remark on the lamp: what, and what is written instead.
+Note = Callable[[str, str], None]
 
 
 @dataclass
@@ -63,7 +67,9 @@ def translate(identity: str, light: bpy.types.Light, scale: tuple[float, float],
     return Lamp(element, width=2.0 * radius)
 
 
-def _area(element: Element, light: bpy.types.AreaLight, colour: np.ndarray, scale: tuple[float, float], hidden: bool, note) -> Lamp:
+def _area(
+    element: Element, light: bpy.types.AreaLight, colour: np.ndarray, scale: tuple[float, float], hidden: bool, note: Note
+) -> Lamp:
     width = light.size
     height = light.size_y if light.shape in ("RECTANGLE", "ELLIPSE") else width
     is_round = light.shape in ("DISK", "ELLIPSE")
@@ -99,7 +105,7 @@ def _extra(element: Element, values: dict[str, float | str]) -> None:
     technique(element, children, "blender")
 
 
-def _colour(light: bpy.types.Light, note) -> np.ndarray:
+def _colour(light: bpy.types.Light, note: Note) -> np.ndarray:
     """All factors of the strength but the energy."""
     colour = np.array(light.color[:], np.float64) * 2.0 ** getattr(light, "exposure", 0.0)
     if getattr(light, "use_temperature", False):

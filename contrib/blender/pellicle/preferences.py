@@ -19,7 +19,12 @@ class PelliclePreferences(bpy.types.AddonPreferences):
 class PellicleSettings(bpy.types.PropertyGroup):
     samples: bpy.props.IntProperty(name="Samples", description="Most samples per pixel", default=128, min=1, max=1 << 20)
     noise: bpy.props.FloatProperty(
-        name="Noise", description="Stop at this relative error of the picture; 0: take all samples", default=0.0, min=0.0, max=1.0, precision=3
+        name="Noise",
+        description="Stop at this relative error of the picture; 0: take all samples",
+        default=0.0,
+        min=0.0,
+        max=1.0,
+        precision=3,
     )
     mode: bpy.props.EnumProperty(
         name="Colours",

@@ -28,7 +28,8 @@ def find(preferred: str = "") -> str:
         return str(path)
     found = shutil.which("pellicle")
     if found is None:
-        raise ProgramMissing("`pellicle` is not on PATH: `cargo install --path .` puts it there, or set its path in the preferences")
+        advice = "`cargo install --path .` puts it there, or set its path in the preferences"
+        raise ProgramMissing(f"`pellicle` is not on PATH: {advice}")
     return found
 
 

@@ -69,9 +69,7 @@ class Writer:
 
     def _hints(self, scene: bpy.types.Scene) -> dict[str, str]:
         render = scene.render
-        width, height = (
-            max(size * render.resolution_percentage // 100, 1) for size in (render.resolution_x, render.resolution_y)
-        )
+        width, height = picture_size(scene)
         hints = {"width": str(width), "height": str(height)}
         pixel_aspect = render.pixel_aspect_x / render.pixel_aspect_y
         if pixel_aspect != 1.0:
@@ -113,6 +111,13 @@ class Writer:
         return Report(
             self._path, len(geometries), triangles, len(first.nodes), len(channels), self._notes.lines()
         )
+
+
+def picture_size(scene: bpy.types.Scene) -> tuple[int, int]:
+    """Columns and rows."""
+    render = scene.render
+    width, height = (size * render.resolution_percentage // 100 for size in (render.resolution_x, render.resolution_y))
+    return max(width, 1), max(height, 1)
 
 
 def _note_scene(scene: bpy.types.Scene, notes: Notes) -> None:

@@ -44,7 +44,8 @@ def build() -> bpy.types.Scene:
     for number, (name, surface) in enumerate(surfaces.items()):
         BALLS.append((name, ball(0.45, (number - 2.0, -0.9 + 0.45 * number, 0.45), surface, name)))
     sheet(80.0, (0, 0, 0), material("floor", "BsdfDiffuse", Color=(0.6, 0.6, 0.6)))
-    lamp("AREA", (-2.0, -1.5, 3.0), (math.radians(30), math.radians(-25), 0), energy=120.0, shape="RECTANGLE", size=1.5, size_y=1.0)
+    window = {"energy": 120.0, "shape": "RECTANGLE", "size": 1.5, "size_y": 1.0}
+    lamp("AREA", (-2.0, -1.5, 3.0), (math.radians(30), math.radians(-25), 0), **window)
     lamp("SUN", (0, 0, 5), (math.radians(35), math.radians(30), 0), energy=1.0, angle=math.radians(3.0))
     sky(scene)
     camera = scene.camera

@@ -54,7 +54,9 @@ def with_nodes(owner: bpy.types.Material | bpy.types.World) -> bpy.types.NodeTre
     return owner.node_tree
 
 
-def place(data: bpy.types.ID | None, location: tuple = (0, 0, 0), rotation: tuple = (0, 0, 0), name: str = "") -> bpy.types.Object:
+def place(
+    data: bpy.types.ID | None, location: tuple = (0, 0, 0), rotation: tuple = (0, 0, 0), name: str = ""
+) -> bpy.types.Object:
     entity = bpy.data.objects.new(name or (data.name if data else "empty"), data)
     entity.location, entity.rotation_euler = location, rotation
     bpy.context.scene.collection.objects.link(entity)

@@ -68,7 +68,8 @@ class Program(unittest.TestCase):
             self.assertIsNone(program.parse(other))
 
     def test_a_run_is_heard_and_ends(self):
-        script = "import sys; print('hello', file=sys.stderr); print('{\"done\":1,\"spp\":4,\"left_s\":0}', file=sys.stderr); sys.exit(3)"
+        progress = '{"done":1,"spp":4,"left_s":0}'
+        script = f"import sys; print('hello', file=sys.stderr); print({progress!r}, file=sys.stderr); sys.exit(3)"
         run = program.Run([sys.executable, "-c", script])
         self.assertEqual(run.finish(), 3)
         self.assertEqual((run.share, run.messages, run.running()), (1.0, ["hello"], False))

@@ -93,9 +93,8 @@ class Materials(unittest.TestCase):
         group.links.new(inside.outputs[0], end.inputs[0])
         tree = made.node_tree
         tree.nodes.remove(tree.nodes["shader"])
-        node, clear, mix, knot = (
-            tree.nodes.new(kind) for kind in ("ShaderNodeGroup", "ShaderNodeBsdfTransparent", "ShaderNodeMixShader", "NodeReroute")
-        )
+        kinds = ("ShaderNodeGroup", "ShaderNodeBsdfTransparent", "ShaderNodeMixShader", "NodeReroute")
+        node, clear, mix, knot = (tree.nodes.new(kind) for kind in kinds)
         node.node_tree = group
         node.inputs["Tint"].default_value = (0.1, 0.2, 0.3, 1.0)
         mix.inputs[0].default_value = 0.75
