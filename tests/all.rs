@@ -4,6 +4,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod animation; // what channels drive, and what a posed document holds
+mod blender; // the add-on: scenes of Blender read and rendered, against Cycles
 mod bsdf; // sampling agrees with densities; energy; reciprocity
 mod camera; // parts of pictures have the bits of the whole; wide pixels; apertures
 mod chart; // `pellicle chart`: what is charted is what was measured

@@ -193,12 +193,14 @@ fn lights_camera_and_hints_of_our_profile() {
     let falloff = Falloff::Attenuation { constant: 1.0, linear: 20.0, quadratic: 0.0 };
     assert!(matches!(dot.kind, LightKind::Point { radius_m: 0.25, falloff: own } if own == falloff));
     assert_eq!(dot.spectrum, Emission::D65);
+    assert!(matches!(light(&document, "sun").kind, LightKind::Directional { angle_deg: 0.53 }));
     let lens = document.cameras[0].lens.unwrap();
     assert_eq!((lens.aperture_radius_m, lens.focus_distance_m, lens.blades), (0.0125, 3.0, 6));
     let environment = document.environment.as_ref().unwrap();
     assert_eq!((environment.strength, environment.rotation_deg), (2.0, 90.0));
     let hints = &document.render;
     assert_eq!((hints.width, hints.spp, hints.camera.as_deref()), (Some(64), Some(9), Some("cam-node")));
+    assert_eq!(hints.pixel_aspect, Some(2.0));
     assert!(close(document.to_world.transform_point3(Vec3::new(1.0, 2.0, 3.0)), Vec3::new(0.1, 0.3, -0.2)));
     assert!(!document.has_cgl);
 }
