@@ -10,6 +10,7 @@ mod chart; // `pellicle chart`: what is charted is what was measured
 mod cli; // the program as it is run: exit codes, messages, signals, full disks
 mod collada; // files load to what they say; bad ones give exactly the error that helps
 mod compare; // `pellicle compare`, variance layers, and what says that it is biased
+mod documents; // examples load and commands run, as the documents say
 mod embree; // layouts and hits against closed forms
 mod film; // the optics against independent truth tables
 mod film_command; // `pellicle film` against the same tables; errors that help; drawings
