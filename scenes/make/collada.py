@@ -1,6 +1,5 @@
 """Files: pictures, and scenes in COLLADA."""
 
-import math
 import pathlib
 import struct
 import zipfile

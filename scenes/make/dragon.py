@@ -7,7 +7,7 @@ ten units long.
 import math
 
 from .meshes import joined, smooth
-from .vectors import add, cross, mix, noise, scaled, smoothstep, sub, unit
+from .vectors import add, cross, mix, scaled, smoothstep, sub, unit
 
 # From the tip of the tail to the head.
 SPINE = ((5.2, 4.75, -0.5, 0.02), (5.95, 4.0, -0.75, 0.12), (6.2, 2.75, -1.0, 0.21), (5.7, 1.4, -1.05, 0.31), (4.65, 0.68, -0.8, 0.45),
@@ -128,10 +128,10 @@ def legs():
     near, far = 1, -1
     parts = []
     for z, turn, x in ((near, 24, 0.0), (far, -20, -0.35)):
-        front = ((-2.35 + x, 1.75, -0.35 + 0.45 * z, 0.55), (-2.1 + x, 1.25, -0.3 + 1.08 * z, 0.42), (-2.6 + x, 0.72, -0.3 + 1.3 * z, 0.27),
-                 (-2.95 + x, 0.22, -0.3 + 1.28 * z, 0.21))
-        hind = ((2.2 + x, 1.75, 0.45 + 0.35 * z, 0.66), (1.65 + x, 1.35, 0.45 + 0.98 * z, 0.55), (2.15 + x, 0.72, 0.45 + 1.2 * z, 0.29),
-                (1.75 + x, 0.22, 0.45 + 1.24 * z, 0.22))
+        front = ((-2.35 + x, 1.75, -0.35 + 0.45 * z, 0.55), (-2.1 + x, 1.25, -0.3 + 1.08 * z, 0.42),
+                 (-2.6 + x, 0.72, -0.3 + 1.3 * z, 0.27), (-2.95 + x, 0.22, -0.3 + 1.28 * z, 0.21))
+        hind = ((2.2 + x, 1.75, 0.45 + 0.35 * z, 0.66), (1.65 + x, 1.35, 0.45 + 0.98 * z, 0.55),
+                (2.15 + x, 0.72, 0.45 + 1.2 * z, 0.29), (1.75 + x, 0.22, 0.45 + 1.24 * z, 0.22))
         parts += leg(front, turn) + leg(hind, turn)
     return parts
 
@@ -166,7 +166,8 @@ def head():
             parts.append(spike((x, -0.16, wide * z), (x + 0.03, -0.18 - size, 0.98 * wide * z), 0.055, rings=5, sides=7))
             if i < 8:
                 y = mix(-0.58, -0.76, i / 8)
-                parts.append(spike((x + 0.07, y, 0.78 * wide * z), (x + 0.04, y + 0.8 * size, 0.76 * wide * z), 0.05, rings=5, sides=7))
+                tip = (x + 0.04, y + 0.8 * size, 0.76 * wide * z)
+                parts.append(spike((x + 0.07, y, 0.78 * wide * z), tip, 0.05, rings=5, sides=7))
         horn = ((0.0, 0.42, 0.28 * z, 0.17), (0.55, 0.85, 0.50 * z, 0.15), (1.25, 1.05, 0.72 * z, 0.115), (1.85, 1.38, 0.78 * z, 0.07),
                 (2.2, 1.85, 0.74 * z, 0.012))
         parts.append(sweep(horn, 80, 14, lambda t, a: (1 + 0.09 * math.sin(120 * t), 1 + 0.09 * math.sin(120 * t))))

@@ -3,10 +3,10 @@
 import math
 import random
 
-from .collada import FOLDER, Scene, attributes, diffuse, film, png
-from .meshes import arc, backdrop, cap, globe, joined, lathe, pebble, pillow, rectangle, sheet, smooth
+from .collada import FOLDER, Scene, diffuse, film, png
+from .meshes import backdrop, globe, joined, lathe, pebble, pillow, rectangle, sheet, smooth
 from .small import soap
-from .vectors import add, cross, fractal, mix, noise, scaled, smoothstep, sub, swirled, unit
+from .vectors import add, cross, fractal, mix, noise, scaled, smoothstep, sub, unit
 
 PLACE = FOLDER / "gallery"
 
@@ -19,6 +19,11 @@ def picture(name, *settings, **more):
 def save(scene, name, packed=False):
     PLACE.mkdir(exist_ok=True)
     (scene.save_packed if packed else scene.save)("gallery/" + name)
+
+
+def varnished(scene, name, color, ior=1.5):
+    """A matte body under a smooth clear surface."""
+    return diffuse(scene, name, color, film(0, ior=ior), ior=ior)
 
 
 def wheel(point, rings, sides):
@@ -77,7 +82,8 @@ def bubble_cluster():
                 centre = add((x, y + 12, z), scaled(n, far))
                 scene.place(scene.mesh(name, smooth(disk, normal=lambda p: n)), soap(scene, "soap-" + name, 120, 620, 1.2),
                             ("translate", *centre))
-    free = ((-12.2, 19.5, -4, 1.7), (13.4, 20.8, -6, 2.2), (-13.8, 7.6, -2, 2.6), (14.6, 8.4, 2, 1.2), (-8.4, 23.4, -6, 1.1), (9.4, 24.6, -9, 1.5))
+    free = ((-12.2, 19.5, -4, 1.7), (13.4, 20.8, -6, 2.2), (-13.8, 7.6, -2, 2.6), (14.6, 8.4, 2, 1.2), (-8.4, 23.4, -6, 1.1),
+            (9.4, 24.6, -9, 1.5))
     for k, (x, y, z, radius) in enumerate(free):
         scene.ball(f"free-{k}", soap(scene, f"soap-free-{k}", 30 + 20 * k, 560 + 60 * k, 1.3), radius, x, y, z)
     scene.environment((0.028, 0.032, 0.042))
@@ -98,7 +104,9 @@ def drops(u, v):
     x += 0.34 * fractal((0.7 * x, 0.7 * y, 3), 4, 11)
     y += 0.34 * fractal((0.7 * x, 0.7 * y, 9), 4, 23)
     height = 0
-    for cx, cy, size, peak in ((6.8, 4.6, 2.1, 1.0), (9.3, 7.4, 1.5, 0.8), (4.0, 7.3, 1.7, 0.7), (10.4, 3.6, 1.1, 0.75), (6.6, 9.6, 1.6, 0.6), (3.2, 3.4, 1.0, 0.5)):
+    drops = ((6.8, 4.6, 2.1, 1.0), (9.3, 7.4, 1.5, 0.8), (4.0, 7.3, 1.7, 0.7), (10.4, 3.6, 1.1, 0.75), (6.6, 9.6, 1.6, 0.6),
+             (3.2, 3.4, 1.0, 0.5))
+    for cx, cy, size, peak in drops:
         height = max(height, peak * math.exp(-((x - cx) ** 2 + 1.5 * (y - cy) ** 2) / size ** 2))
     return height * (0.93 + 0.14 * fractal((1.3 * x, 1.3 * y, 5), 4, 5))
 
@@ -124,9 +132,10 @@ def oil_on_asphalt():
     picture("drops.png", 512, 512, drops)
     picture("grit.png", 1024, 1024, grit, bits=8)
     layer = film(varying='<map image="drops.png" min_nm="0" max_nm="1050"/>', ior=1.47)
-    road = scene.material("wet-road", (0.05, 0.05, 0.05), f'<diffuse reflectance="0.55" ior="1.33"><map for="reflectance" image="grit.png"/>{layer}</diffuse>')
+    stones = '<map for="reflectance" image="grit.png"/>'
+    road = scene.material("wet-road", (0.05, 0.05, 0.05), f'<diffuse reflectance="0.55" ior="1.33">{stones}{layer}</diffuse>')
     scene.place(scene.mesh("road", rectangle(110, 110)), road, ("translate", 0, 0, -12))
-    paint = scene.material("paint", (0.8, 0.78, 0.7), '<diffuse reflectance="0.26 0.24 0.19" ior="1.5"><film thickness_nm="0" ior="1.5"/></diffuse>')
+    paint = varnished(scene, "paint", (0.26, 0.24, 0.19))
     line = scene.mesh("line", rectangle(7, 120))
     scene.place(line, paint, ("translate", 24, 0.05, -10), ("rotate", 0, 1, 0, 12))
     draw = random.Random(8)
@@ -238,7 +247,7 @@ def element(front, back, radius, thick):
 
 def camera_lens():
     scene = Scene("The front of a camera's lens: elements under one, two and three layers against reflections, each with its own tint")
-    black = scene.material("barrel", (0.02, 0.02, 0.02), '<diffuse reflectance="0.022" ior="1.5"><film thickness_nm="0" ior="1.5"/></diffuse>')
+    black = varnished(scene, "barrel", (0.022, 0.022, 0.022))
     matte = diffuse(scene, "baffle", (0.012, 0.012, 0.012))
     ring = scene.material("ring", (0.6, 0.1, 0.05), '<conductor metal="Cu" roughness="0.2"/>')
     mark = scene.material("mark", (0.8, 0.8, 0.8), '<diffuse reflectance="0.7"/>')
@@ -251,20 +260,21 @@ def camera_lens():
     scene.place(scene.mesh("trim", lathe(trim, sides=160)), ring, *pose)
     blades = lathe([(4.6, -7.6), (2.2, -7.4)], sides=9)
     scene.place(scene.mesh("iris", blades), matte, *pose)
+    scene.mesh("tick", pillow(0.10, 0.06, 0.2, 8, 12, 6))
     for i in range(48):
         turn = 360 * i / 48
         if i % 16 < 9:
-            scene.place("tick" if i else scene.mesh("tick", pillow(0.10, 0.06, 0.34 if i % 2 else 0.2, 8, 12, 6)), mark, *pose, ("rotate", 0, 1, 0, turn),
-                        ("translate", 6.95, 0.61, 0), name=f"tick-{i}")
+            scene.place("tick", mark, *pose, ("rotate", 0, 1, 0, turn), ("translate", 6.95, 0.61, 0), name=f"tick-{i}")
     coats = {"magenta": film(128, material="MgF2"),
              "green": film(72, material="MgF2") + film(118, ior=2.05) + film(66, ior=1.7),
              "blue": film(150, material="MgF2"),
              "amber": film(98, material="MgF2")}
-    stack = (("magenta", 15, 30, 5.85, 1.2, -0.6), ("green", 13, -9, 5.0, 0.9, -2.7), ("amber", 11, 18, 4.4, 1.0, -4.6), ("blue", 14, 14, 4.2, 1.2, -9.0))
+    stack = (("magenta", 15, 30, 5.85, 1.2, -0.6), ("green", 13, -9, 5.0, 0.9, -2.7), ("amber", 11, 18, 4.4, 1.0, -4.6),
+             ("blue", 14, 14, 4.2, 1.2, -9.0))
     for name, front, back, radius, thick, y in stack:
         glass = scene.material("glass-" + name, (0.8, 0.85, 0.9), f'<dielectric ior="1.62">{coats[name]}</dielectric>')
         scene.place(scene.mesh("lens-" + name, element(front, back, radius, thick)), glass, *pose, ("translate", 0, y, 0))
-    table = scene.material("table", (0.1, 0.1, 0.1), '<diffuse reflectance="0.035 0.036 0.04" ior="1.5"><film thickness_nm="0" ior="1.5"/></diffuse>')
+    table = varnished(scene, "table", (0.035, 0.036, 0.04))
     scene.place(scene.mesh("table-top", backdrop(300, 120, 90, 40)), table, ("translate", 0, 0, 60))
     scene.window("window", (-44, 44, 56), (0, 8, 0), 80, 70, 2, 2, (2.6, 2.7, 2.85))
     scene.softbox("strip", (64, 26, 34), (0, 8, 0), 40, 60, (2.2, 2.1, 2.0))
@@ -295,7 +305,7 @@ def dichroic():
         if y > 4.61:
             post = scene.mesh(f"post-{nm}", lathe([(0.12, 0), (0.12, y - 4.6)], sides=24))
             scene.place(post, rim, ("translate", x, 0, z))
-    table = scene.material("table", (0.05, 0.05, 0.05), '<diffuse reflectance="0.02" ior="1.5"><film thickness_nm="0" ior="1.5"/></diffuse>')
+    table = varnished(scene, "table", (0.02, 0.02, 0.02))
     scene.place(scene.mesh("table-top", rectangle(400, 400)), table)
     scene.softbox("wall", (0, 30, -90), (0, 26, 0), 300, 70, (0.85, 0.87, 0.9))
     scene.softbox("front", (-50, 50, 70), (0, 6, 0), 60, 60, (2.2, 2.2, 2.2))
@@ -323,12 +333,13 @@ def abalone():
     for i in range(bands):
         grown = i / bands
         tablet = 345 + 42 * math.sin(17 * grown) + 18 * math.sin(41 * grown + 1)
-        body = scene.material(f"nacre-{i}", (0.5, 0.6, 0.6), f'<diffuse reflectance="0.10 0.10 0.09" ior="1.6">{nacre(tablet)}</diffuse>')
+        body = diffuse(scene, f"nacre-{i}", (0.10, 0.10, 0.09), nacre(tablet), ior=1.6)
         part = sheet(lambda u, v: shell(u, mix(max(i, 0.02) / bands, (i + 1) / bands, v)), 200, 5)
         scene.place(scene.mesh(f"shell-{i}", part), body, ("translate", -1.5, 1.4, 0), ("rotate", 0, 1, 0, 18), ("rotate", 1, 0, 0, 14))
     draw = random.Random(3)
-    for i, (x, z, radius, nm) in enumerate(((15.2, 9, 1.7, 330), (18.4, 5, 1.2, 300), (12.2, 12.6, 1.3, 365), (18.2, 10.8, 1.0, 350), (-14, 13.6, 1.4, 315))):
-        pearl = scene.material(f"pearl-{i}", (0.9, 0.88, 0.85), f'<diffuse reflectance="0.55 0.53 0.5" ior="1.6">{nacre(nm)}</diffuse>')
+    pearls = ((15.2, 9, 1.7, 330), (18.4, 5, 1.2, 300), (12.2, 12.6, 1.3, 365), (18.2, 10.8, 1.0, 350), (-14, 13.6, 1.4, 315))
+    for i, (x, z, radius, nm) in enumerate(pearls):
+        pearl = diffuse(scene, f"pearl-{i}", (0.55, 0.53, 0.5), nacre(nm), ior=1.6)
         scene.ball(f"pearl-{i}-ball", pearl, radius, x, radius, z + draw.uniform(-0.5, 0.5))
     cloth = diffuse(scene, "cloth", (0.02, 0.024, 0.04))
     scene.place(scene.mesh("studio", backdrop(300, 90, 90, 40)), cloth, ("translate", 0, 0, 60))
@@ -344,7 +355,7 @@ def jewel_beetle():
     scene = Scene("A jewel beetle: sixteen layers of cuticle that reflect green at 530 nm, stripes at 650 nm")
     coat = lambda name, nm: scene.material(name, (0.1, 0.6, 0.2), f'<preset name="jewel-beetle" peak_nm="{nm}"/>')
     green, copper, neck = coat("green", 535), coat("copper", 660), coat("neck", 560)
-    dark = scene.material("dark", (0.03, 0.03, 0.03), '<diffuse reflectance="0.02 0.018 0.015" ior="1.56"><film thickness_nm="0" ior="1.56"/></diffuse>')
+    dark = varnished(scene, "dark", (0.02, 0.018, 0.015), ior=1.56)
 
     def case(side, low, high):
         """A strip of one wing case: from the middle (0) outwards (1), head at v = 1."""
@@ -369,7 +380,8 @@ def jewel_beetle():
     for side in (-1, 1):
         scene.place("eye" if side > 0 else scene.sphere("eye", 0.72), dark, *pose, ("translate", 1.25 * side, 0.7, -8.7), name=f"eye{side}")
         for i, (z, reach) in enumerate(((-5.6, -2.6), (-2.6, 0.4), (2.0, 3.4))):
-            joints = ((1.6 * side, -0.2, z), (3.9 * side, 1.0, z + 0.35 * reach), (4.9 * side, -0.7, z + 0.8 * reach), (5.9 * side, -1.42, z + 1.25 * reach))
+            joints = ((1.6 * side, -0.2, z), (3.9 * side, 1.0, z + 0.35 * reach), (4.9 * side, -0.7, z + 0.8 * reach),
+                      (5.9 * side, -1.42, z + 1.25 * reach))
             limb = [limb_part(a, b, r) for a, b, r in zip(joints, joints[1:], (0.34, 0.26, 0.14))]
             scene.place(scene.mesh(f"leg-{i}{side}", joined(limb)), neck, *pose)
         feeler = [(0.7 * side, 0.5, -9.2), (1.5 * side, 0.9, -10.6), (2.7 * side, 0.6, -11.8), (4.0 * side, 0.0, -12.3)]
@@ -377,10 +389,14 @@ def jewel_beetle():
         scene.place(scene.mesh(f"feeler{side}", joined(parts)), dark, *pose)
 
     leaf = diffuse(scene, "leaf", (0.045, 0.10, 0.018))
-    blade = lambda u, v: (62 * (u - 0.5), -0.35 * math.cos(40 * math.pi * abs(u - 0.5 + 0.28 * abs(v - 0.5))) * abs(v - 0.5) ** 0.6 * 0.5
-                          + 5.5 * (v - 0.5) ** 2 - 1.1 * math.exp(-900 * (v - 0.5) ** 2) + 1.5 * (u - 0.5) ** 2,
-                          -36 * (v - 0.5) * math.sin(math.pi * u) ** 0.6)
-    scene.place(scene.mesh("leaf-mesh", sheet(lambda u, v: blade(mix(0.01, 0.99, u), v), 260, 80)), leaf, ("translate", 0, -0.55, 0), ("rotate", 0, 1, 0, 20))
+
+    def blade(u, v):
+        u, across = mix(0.01, 0.99, u), v - 0.5
+        veins = -0.175 * math.cos(40 * math.pi * abs(u - 0.5 + 0.28 * abs(across))) * abs(across) ** 0.6
+        height = veins + 5.5 * across ** 2 - 1.1 * math.exp(-900 * across ** 2) + 1.5 * (u - 0.5) ** 2
+        return 62 * (u - 0.5), height, -36 * across * math.sin(math.pi * u) ** 0.6
+
+    scene.place(scene.mesh("leaf-mesh", sheet(blade, 260, 80)), leaf, ("translate", 0, -0.55, 0), ("rotate", 0, 1, 0, 20))
     ground = diffuse(scene, "ground", (0.035, 0.03, 0.02))
     scene.place(scene.mesh("soil", rectangle(300, 300)), ground, ("translate", 0, -16, -40))
     scene.softbox("sky", (-26, 64, 16), (0, 0, 0), 84, 70, (3.2, 3.3, 3.5))

@@ -5,7 +5,7 @@ import random
 
 from .collada import FOLDER, Scene, attributes, diffuse, film, png
 from .meshes import arc, backdrop, cap, globe, joined, lathe, pebble, pillow, rectangle, smooth
-from .vectors import add, cross, mix, noise, numbers, scaled, smoothstep, sub, swirled, unit
+from .vectors import add, cross, mix, noise, scaled, smoothstep, sub, swirled, unit
 
 
 def knot_point(t, a):
