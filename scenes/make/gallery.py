@@ -184,14 +184,14 @@ def titanium_ribbon():
         return add(here, scaled(across, 5.0 * (v - 0.5)))
 
     scene.place(scene.mesh("ribbon", sheet(ribbon, 520, 16)), metal, ("translate", 0, 0, 0))
-    studio(scene, (0.022, 0.022, 0.025))
+    studio(scene, (0.66, 0.66, 0.67))
     scene.softbox("key", (-60, 34, 40), (0, 6, 0), 50, 60, (3.4, 3.4, 3.4))
     scene.softbox("rim", (64, 26, 6), (0, 6, 0), 40, 50, (3, 3, 3))
     scene.softbox("front", (6, 14, 90), (0, 6, 0), 120, 26, (1.8, 1.8, 1.8))
     scene.softbox("ceiling", (0, 80, 0), (0, 4, 0), 90, 60, (2, 2, 2))
     scene.environment((0.4, 0.4, 0.41))
     scene.camera((0, 30, 44), (0.5, 5.0, 0), 36, 1.5)
-    scene.render(900, 600, spp=192, max_bounces=10, exposure_ev=1.2)
+    scene.render(900, 600, spp=192, max_bounces=10, exposure_ev=-0.15)
     save(scene, "titanium_ribbon")
 
 

@@ -247,7 +247,9 @@ fn words_of_the_loader() -> BTreeSet<String> {
     for file in super::files("src/collada/profile", "rs") {
         for line in fs::read_to_string(file).unwrap().lines().filter(|line| !line.trim_start().starts_with("//")) {
             let quoted = line.split('"').skip(1).step_by(2);
-            let is_name = |word: &&str| !matches!(*word, "" | "xmlns") && word.chars().all(|c| c.is_ascii_lowercase() || c == '_');
+            let is_name = |word: &&str| {
+                !matches!(*word, "" | "xmlns") && word.chars().all(|c| c.is_ascii_lowercase() || c == '_')
+            };
             words.extend(quoted.filter(is_name).map(str::to_owned));
         }
     }

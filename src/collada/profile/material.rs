@@ -6,7 +6,9 @@ use crate::collada::error::Fault;
 use crate::collada::loader::Loader;
 use crate::collada::xml::Element;
 use crate::color::{Index, Kind};
-use crate::document::{Base, Distribution, Encoding, Film, Map, Material, Microfacets, Scalar, SurfaceEmission, Texture};
+use crate::document::{
+    Base, Distribution, Encoding, Film, Map, Material, Microfacets, Scalar, SurfaceEmission, Texture,
+};
 
 use super::film;
 use super::index::{self, named};
