@@ -3,7 +3,7 @@
 #
 #     docs/make_report.sh [PELLICLE]     default: target/release/pellicle
 #
-# SIZE (280 pixels), SPP (48) and FRAMES (24) may be set. Takes some ten minutes on two cores; wants ffmpeg for the video.
+# SIZE (280 pixels), SPP (48) and FRAMES (24) may be set. Takes some ten minutes on two cores; wants ffmpeg for the video and JPEGs.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 pellicle=$(realpath "${1:-target/release/pellicle}")
@@ -28,6 +28,10 @@ for scene in dragon transparent; do
     done
 done
 
+jpeg() { # picture, smaller picture
+    ffmpeg -v error -y -i "$1" -frames:v 1 -q:v 2 "$2"
+}
+
 figure() { # scene, frame, name
     local number exact error
     number=$(printf %04d "$2")
@@ -36,11 +40,12 @@ figure() { # scene, frame, name
         error=$("$pellicle" compare "$cache/$1-$model.$number.exr" "$exact" --diff "$cache/error-$model.png" | grep ^CIEDE2000)
         echo "| $3 | $model | $(sed 's/CIEDE2000 *mean //; s/, 99 % within / | /; s/, worst / | /' <<<"$error") |" >>"$out/tables.md"
     done
-    cp "$cache/error-three-wave.png" "$out/$3-error.png"
+    jpeg "$cache/error-three-wave.png" "$out/$3-error.jpg"
     for model in three-wave exact; do
         # A video of one frame is a picture.
         mkdir -p "$cache/one" && cp "$cache/$1-$model.$number.exr" "$cache/one/f.0000.exr"
-        "$pellicle" encode "$cache/one" -o "$out/$3-$model.png" --exposure 0.6 --quiet
+        "$pellicle" encode "$cache/one" -o "$cache/one.png" --exposure 0.6 --quiet
+        jpeg "$cache/one.png" "$out/$3-$model.jpg"
     done
 }
 
@@ -58,4 +63,4 @@ figure transparent 1 transparent-even
 echo "rendering the turntable" >&2
 "$pellicle" turntable scenes/report/dragon.zae -o "$cache/turn.####.png" --frames "$frames" --mode object --size 240x \
     --spp $((spp / 2)) --quiet --report "$cache/turn" --video "$out/turntable.mp4"
-cp "$cache/turn.png" "$out/turntable.png"
+jpeg "$cache/turn.png" "$out/turntable.jpg"

@@ -327,7 +327,7 @@ def abalone():
         r = 11 * v ** 0.85 * (1 + 0.10 * math.cos(a - 0.6) + 0.025 * math.cos(3 * a))
         x, z = 1.35 * r * math.cos(a), r * math.sin(a)
         bumps = 0.45 * fractal((0.26 * x, 0.26 * z, 2.0), 3, 31) + 0.04 * math.sin(44 * a) * v ** 4
-        return x, 0.6 + 3.4 * v ** 2.6 + bumps * (0.5 + 0.5 * v), -z
+        return x, 0.6 + 2.9 * v ** 2.4 + bumps * (0.5 + 0.5 * v), -z
 
     bands = 26
     for i in range(bands):
@@ -335,19 +335,19 @@ def abalone():
         tablet = 345 + 42 * math.sin(17 * grown) + 18 * math.sin(41 * grown + 1)
         body = diffuse(scene, f"nacre-{i}", (0.10, 0.10, 0.09), nacre(tablet), ior=1.6)
         part = sheet(lambda u, v: shell(u, mix(max(i, 0.02) / bands, (i + 1) / bands, v)), 200, 5)
-        scene.place(scene.mesh(f"shell-{i}", part), body, ("translate", -1.5, 1.4, 0), ("rotate", 0, 1, 0, 18), ("rotate", 1, 0, 0, 14))
+        scene.place(scene.mesh(f"shell-{i}", part), body, ("translate", -1.5, 3.0, 0), ("rotate", 1, 0, 0, 16), ("rotate", 0, 1, 0, 18))
     draw = random.Random(3)
     pearls = ((15.2, 9, 1.7, 330), (18.4, 5, 1.2, 300), (12.2, 12.6, 1.3, 365), (18.2, 10.8, 1.0, 350), (-14, 13.6, 1.4, 315))
     for i, (x, z, radius, nm) in enumerate(pearls):
         pearl = diffuse(scene, f"pearl-{i}", (0.55, 0.53, 0.5), nacre(nm), ior=1.6)
         scene.ball(f"pearl-{i}-ball", pearl, radius, x, radius, z + draw.uniform(-0.5, 0.5))
-    cloth = diffuse(scene, "cloth", (0.02, 0.024, 0.04))
+    cloth = diffuse(scene, "cloth", (0.28, 0.29, 0.33))
     scene.place(scene.mesh("studio", backdrop(300, 90, 90, 40)), cloth, ("translate", 0, 0, 60))
     scene.softbox("key", (-30, 74, -20), (0, 3, 0), 90, 70, (2.6, 2.6, 2.6))
     scene.softbox("side", (64, 40, 20), (0, 3, 0), 50, 50, (2, 2.05, 2.1))
     scene.environment((0.75, 0.77, 0.8))
     scene.camera((3, 46, 44), (2.4, 2.2, 1.5), 34, 1.5)
-    scene.render(900, 600, spp=192, max_bounces=8, exposure_ev=0.9)
+    scene.render(900, 600, spp=192, max_bounces=8, exposure_ev=0.3)
     save(scene, "abalone", packed=True)
 
 
