@@ -179,7 +179,7 @@ enum RungArg {
 
 #[derive(Clone, Copy, ValueEnum)]
 enum StrategyArg {
-    /// As `mis`, and neighbouring pixels look at what each other's paths found
+    /// As `mis`, and neighbouring pixels look at what each other's paths found, where a pilot finds that it pays
     Shared,
     /// Light and surface sampling, weighted
     Mis,

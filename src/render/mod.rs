@@ -11,6 +11,7 @@ mod edge;
 mod filter;
 mod frame;
 mod noise;
+mod pilot;
 mod sums;
 mod survey;
 mod tile;
@@ -30,7 +31,7 @@ pub use survey::{FAR_M, Seen, Survey};
 use thiserror::Error;
 
 use crate::embree::Ray;
-use crate::integrate::{GROUP, Guide, Path, PathLimits, Strategy, Tally, radiances};
+use crate::integrate::{GROUP, Path, PathLimits, Tactics, Tally, radiances};
 use crate::math::Sampler;
 use crate::mode::{Lanes, Mode};
 use crate::scene::{Camera, Scene};
@@ -126,7 +127,7 @@ pub fn accumulate<M: Mode>(
     let camera = &camera.settled(scene);
     let clock = std::time::Instant::now();
     let cpu_clock = CpuClock::start();
-    let view = View { scene, camera, plan, guide: pool.install(|| guide(scene, camera, plan)) };
+    let view = View { scene, camera, plan, tactics: pool.install(|| pilot::tactics(scene, camera, plan)) };
     while !watch.stop() && sums.wants_more(plan.noise) {
         let count = if sums.spp() == 0 { 1 } else { watch.pass(sums) };
         if count == 0 {
@@ -170,18 +171,7 @@ struct View<'a, M: Mode> {
     scene: &'a Scene<M>,
     camera: &'a Camera,
     plan: &'a Plan,
-    guide: Option<Guide>,
-}
-
-/// Photons are a small part of a picture's rays.
-const PIXELS_PER_PHOTON: u32 = 8;
-const MAX_PHOTONS: u32 = 1 << 16;
-
-/// Where to look for caustics. Depends on the size of the picture, never on its samples.
-fn guide<M: Mode>(scene: &Scene<M>, camera: &Camera, plan: &Plan) -> Option<Guide> {
-    let [width, height] = camera.size;
-    let photons = (width.saturating_mul(height) / PIXELS_PER_PHOTON).min(MAX_PHOTONS);
-    if plan.limits.strategy == Strategy::Shared { Guide::new(scene, photons) } else { None }
+    tactics: Tactics,
 }
 
 fn render_tile<M: Mode>(view: &View<M>, tile: &mut Tile, samples: std::ops::Range<u32>) -> Tally {
@@ -234,7 +224,7 @@ fn render_group<M: Mode>(
     lights: &mut [DVec3],
     tally: &mut Tally,
 ) {
-    let View { scene, camera, plan, guide } = view;
+    let View { scene, camera, plan, tactics } = view;
     let number = |place| number(camera, place);
     // All paths of a group carry the same wavelengths: they look at each other's finds.
     let waves = match group.first() {
@@ -250,7 +240,7 @@ fn render_group<M: Mode>(
         let blind = edges.cross(x - tile.x0, y - tile.y0);
         paths.push(Path::new(ray, camera.interior, waves, sampler, blind));
     }
-    radiances(scene, guide.as_ref(), &mut paths, &plan.limits, tally);
+    radiances(scene, tactics, &mut paths, tally);
     for (&member, path) in group.iter().zip(&mut paths) {
         let [x, y] = tile.place(member);
         if edges.cross(x - tile.x0, y - tile.y0) {
