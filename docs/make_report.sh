@@ -63,4 +63,5 @@ figure transparent 1 transparent-even
 echo "rendering the turntable" >&2
 "$pellicle" turntable scenes/report/dragon.zae -o "$cache/turn.####.png" --frames "$frames" --mode object --size 240x \
     --spp $((spp / 2)) --quiet --report "$cache/turn" --video "$out/turntable.mp4"
-jpeg "$cache/turn.png" "$out/turntable.jpg"
+# Every other frame of it, as a picture.
+ffmpeg -v error -y -i "$out/turntable.mp4" -vf "select=not(mod(n\,2)),scale=200:200,tile=6x2" -frames:v 1 -q:v 3 "$out/turntable.jpg"

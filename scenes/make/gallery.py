@@ -4,8 +4,7 @@ import math
 import random
 
 from .collada import FOLDER, Scene, diffuse, film, png
-from .meshes import backdrop, globe, joined, lathe, pebble, pillow, rectangle, sheet, smooth
-from .small import soap
+from .meshes import backdrop, joined, lathe, pebble, pillow, rectangle, sheet, smooth
 from .vectors import add, cross, fractal, mix, noise, scaled, smoothstep, sub, unit
 
 PLACE = FOLDER / "gallery"
@@ -38,62 +37,6 @@ def wheel(point, rings, sides):
         both = unit(add(normals[j * row], normals[j * row + sides]))
         normals[j * row] = normals[j * row + sides] = both
     return positions, normals, uvs, triangles
-
-
-# Soap
-
-def bubble_cluster():
-    """Bubbles of radius 5 to 2 that share walls; films meet at 120 degrees."""
-    scene = Scene("A cluster of soap bubbles that have drained for a minute: black on top, bands that grow narrower below")
-    centres = ((0, 0, 0, 5.2), (6.6, 1.2, 0.8, 3.9), (2.6, 6.1, 0.6, 3.3), (-5.3, 3.6, 1.6, 3.0), (5.9, -4.5, 2.4, 2.5))
-    for i, (x, y, z, radius) in enumerate(centres):
-        # Where it would reach beyond the plane of a shared wall, a bubble ends at the wall.
-        planes = []
-        for j, (p, q, r, other) in enumerate(centres):
-            apart = math.dist((x, y, z), (p, q, r))
-            if j != i and apart < radius + other:
-                planes.append((unit(sub((p, q, r), (x, y, z))), (apart * apart + radius * radius - other * other) / (2 * apart)))
-
-        def clipped(direction):
-            reach = min([radius] + [far / c for n, far in planes if (c := sum(a * b for a, b in zip(n, direction))) > 1e-6])
-            return scaled(direction, reach)
-
-        positions, _, uvs, triangles = globe(1, 128, 64)
-        points = [clipped(d) for d in positions]
-        # Only the free part: walls are meshes of their own.
-        on_wall = [math.dist(p, (0, 0, 0)) < radius * 0.9999 for p in points]
-        kept = [t for t in triangles if not all(on_wall[k] for k in t)]
-        top = (4, 10, 30, 16, 60)[i]
-        mesh = (points, [unit(p) for p in points], [], kept)
-        scene.place(scene.mesh(f"bubble-{i}", mesh), soap(scene, f"soap-{i}", top, (760, 640, 520, 700, 820)[i], 1.5),
-                    ("translate", x, y + 12, z))
-        for j, (p, q, r, other) in enumerate(centres[:i]):
-            apart = math.dist((x, y, z), (p, q, r))
-            if apart < radius + other:
-                n = unit(sub((p, q, r), (x, y, z)))
-                far = (apart * apart + radius * radius - other * other) / (2 * apart)
-                ring = math.sqrt(radius * radius - far * far)
-                side = unit(cross(n, (0.3, 1, 0.2)))
-                up = cross(n, side)
-                turns = [2 * math.pi * (k % 96) / 96 for k in range(97)]
-                disk = [[add(scaled(side, s * math.cos(t)), scaled(up, s * math.sin(t))) for t in turns]
-                        for s in (0, ring * 0.4, ring * 0.8, ring)]
-                name = f"wall-{i}-{j}"
-                centre = add((x, y + 12, z), scaled(n, far))
-                scene.place(scene.mesh(name, smooth(disk, normal=lambda p: n)), soap(scene, "soap-" + name, 120, 620, 1.2),
-                            ("translate", *centre))
-    free = ((-12.2, 19.5, -4, 1.7), (13.4, 20.8, -6, 2.2), (-13.8, 7.6, -2, 2.6), (14.6, 8.4, 2, 1.2), (-8.4, 23.4, -6, 1.1),
-            (9.4, 24.6, -9, 1.5))
-    for k, (x, y, z, radius) in enumerate(free):
-        scene.ball(f"free-{k}", soap(scene, f"soap-free-{k}", 30 + 20 * k, 560 + 60 * k, 1.3), radius, x, y, z)
-    scene.environment((0.028, 0.032, 0.042))
-    scene.window("window", (-54, 40, 44), (0, 12, 0), 60, 66, 2, 3, (6, 6.3, 6.8))
-    scene.window("far-window", (66, 26, 12), (0, 12, 0), 40, 64, 2, 3, (4, 3.9, 3.7))
-    scene.softbox("ceiling", (0, 80, 20), (0, 12, 0), 120, 70, (0.9, 0.92, 1))
-    scene.softbox("below", (0, -50, 20), (0, 12, 0), 120, 60, (0.25, 0.27, 0.3))
-    scene.camera((0, 14, 56), (0.6, 13.8, 0), 30, 1.5, lens='<lens aperture_radius_m="0.004" focus_distance_m="0.52"/>')
-    scene.render(900, 600, spp=256, max_bounces=20, exposure_ev=0.8, mode="spectral")
-    save(scene, "bubble_cluster", packed=True)
 
 
 # Oil
@@ -422,4 +365,4 @@ def limb_part(a, b, radius):
     return smooth(rows)
 
 
-SCENES = (bubble_cluster, oil_on_asphalt, titanium_ribbon, tempered_steel, camera_lens, dichroic, abalone, jewel_beetle)
+SCENES = (oil_on_asphalt, titanium_ribbon, tempered_steel, camera_lens, dichroic, abalone, jewel_beetle)
