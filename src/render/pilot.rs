@@ -17,12 +17,12 @@ use crate::scene::{Camera, Scene};
 const PIXELS_PER_PHOTON: u32 = 8;
 const MAX_PHOTONS: u32 = 1 << 16;
 /// One group of so many is tried.
-const GROUPS_PER_TRIAL: u32 = 64;
+const GROUPS_PER_TRIAL: u32 = 256;
 /// No picture needs more trials; with fewer, nothing is learned.
-const MOST_TRIALS: u32 = 256;
+const MOST_TRIALS: u32 = 64;
 const FEWEST_TRIALS: u32 = 16;
-/// Half the samples of a pixel: enough to see what stratification is good for.
-const HALF: u32 = 4;
+/// Half the samples of a pixel: enough to see what stratification does without more draws.
+const HALF: u32 = 16;
 /// What drawing a light and looking at a neighbour's find cost, with all that they take, in rays that are followed.
 const DRAW_COST: f64 = 0.9;
 const LOOK_COST: f64 = 0.25;
@@ -30,8 +30,8 @@ const LOOK_COST: f64 = 0.25;
 const DARK: f32 = 0.1;
 /// A pixel whose error is so many times the brightness is as bad as can be: one must not decide for all.
 const WORST: f32 = 10.0;
-/// Changes for less than this ratio are not worth making.
-const WORTHWHILE: f64 = 0.97;
+/// Changes for less than this ratio are not worth making: few pixels cannot tell.
+const WORTHWHILE: f64 = 0.95;
 
 /// What two halves of some samples make of each pixel of a group.
 struct Trial {
