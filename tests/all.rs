@@ -12,6 +12,7 @@ mod cli; // the program as it is run: exit codes, messages, signals
 mod collada; // files load to what they say; bad ones give exactly the error that helps
 mod compare; // `pellicle compare`, variance layers, and what says that it is biased
 mod dependencies; // licences, and where the code comes from
+mod documents; // examples load and commands run, as the documents say
 mod embree; // layouts and hits against closed forms
 mod faults; // files from strangers, full disks, stopped processes: nothing lost, nothing let in
 mod film; // the optics against independent truth tables
