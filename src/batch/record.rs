@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fs::{self, File, OpenOptions};
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
@@ -13,7 +14,10 @@ use super::summary::Summary;
 use crate::error::Error;
 use crate::output::{self, OutputError};
 
-/// The rows of one batch, on disk after every frame.
+/// Least time between two writings of the JSON file before the end.
+const JSON_EVERY: Duration = Duration::from_secs(2);
+
+/// The rows of one batch, in the CSV file after every frame.
 pub struct Record {
     base: PathBuf,
     scene: String,
@@ -21,6 +25,8 @@ pub struct Record {
     frames: FrameList,
     /// The last row of each frame with these settings.
     rows: BTreeMap<u32, Row>,
+    /// When the JSON file was written last.
+    json_at: Option<Instant>,
 }
 
 #[derive(Serialize)]
@@ -47,6 +53,7 @@ impl Record {
             settings: settings.to_owned(),
             frames: frames.clone(),
             rows: BTreeMap::new(),
+            json_at: None,
         };
         let found = record.read();
         let kept: Vec<&Row> = found.iter().filter(|row| record.keeps(row, anew)).collect();
@@ -90,6 +97,11 @@ impl Record {
         let path = self.path("csv");
         append(&path, &line(&row)).map_err(|source| OutputError::Io { task: "append to", path, source })?;
         self.rows.insert(row.frame, row);
+        // The whole of it each time would take quadratic time over many small frames.
+        if self.json_at.is_some_and(|at| at.elapsed() < JSON_EVERY) {
+            return Ok(());
+        }
+        self.json_at = Some(Instant::now());
         self.write_json()
     }
 
