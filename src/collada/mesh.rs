@@ -5,13 +5,13 @@ use std::collections::HashMap;
 use glam::{Vec2, Vec3};
 
 use crate::document::{Group, Mesh, UvSet};
+use crate::mesh::normals;
+use crate::mesh::vertices::unify;
 
 use super::error::Fault;
 use super::loader::Loader;
-use super::normals;
 use super::primitives::{self, LINES, SURFACES, Stream};
 use super::sources::{Accessor, Arrays, whole_number};
-use super::vertices::unify;
 use super::xml::Element;
 
 /// All sources of one kind, one after the other.

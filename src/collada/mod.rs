@@ -23,6 +23,7 @@ mod cameras;
 mod cgl;
 mod coincident;
 mod common;
+mod dress;
 mod encoding;
 mod error;
 mod geometry;
@@ -32,10 +33,8 @@ mod loader;
 mod materials;
 mod mesh;
 mod nodes;
-mod normals;
 mod numbers;
 mod package;
-mod polygons;
 mod power;
 mod primitives;
 mod profile;
@@ -43,7 +42,6 @@ mod sources;
 mod sweep;
 mod targets;
 mod transforms;
-mod vertices;
 mod visual_scene;
 mod warnings;
 mod xml;
@@ -54,6 +52,7 @@ use sha2::{Digest, Sha256};
 
 use crate::document::Document;
 
+pub use dress::dress;
 pub use error::{Place, SceneError};
 pub use warnings::Warning;
 
