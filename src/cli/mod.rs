@@ -122,21 +122,3 @@ static LONG_VERSION: LazyLock<String> = LazyLock::new(|| {
     let compiled = names(instruction_sets!(compiled));
     format!("{version}\nEmbree {embree}\nCPU: {cpu}\ncompiled for: {compiled}")
 });
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use clap::CommandFactory;
-
-    #[test]
-    fn every_command_shows_how_it_is_used() {
-        let command = Cli::command();
-        command.clone().debug_assert();
-        let mut commands: Vec<&clap::Command> = vec![&command];
-        while let Some(command) = commands.pop() {
-            let help = command.get_after_help().map(|help| help.to_string()).unwrap_or_default();
-            assert!(help.contains("Example") && help.contains("pellicle "), "{}: {help}", command.get_name());
-            commands.extend(command.get_subcommands().filter(|sub| sub.get_name() != "help"));
-        }
-    }
-}

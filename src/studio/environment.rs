@@ -51,7 +51,7 @@ impl Environment {
     pub fn floor(&self) -> Option<[Vec3; 2]> {
         match self {
             // Graded paper, as photographers hang it behind things.
-            Self::Studio => Some([Vec3::splat(0.22), Vec3::splat(0.015)]),
+            Self::Studio => Some([Vec3::splat(0.26), Vec3::splat(0.02)]),
             Self::Tent => Some([Vec3::splat(0.7), Vec3::splat(0.45)]),
             Self::Sky => Some([Vec3::new(0.36, 0.33, 0.29); 2]),
             Self::Image(_) => None,

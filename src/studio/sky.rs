@@ -50,13 +50,13 @@ struct SoftBox {
 
 const SOFT_BOXES: [SoftBox; 4] = [
     // A bank overhead, for the floor and for all that faces up.
-    SoftBox { toward: Vec3::new(-0.1, 1.0, -0.2), half: [1.0, 0.6], radiance: 1.4 },
+    SoftBox { toward: Vec3::new(-0.1, 1.0, -0.2), half: [1.2, 0.75], radiance: 1.1 },
     // The light that models, from the left.
-    SoftBox { toward: Vec3::new(-1.0, 0.55, 0.5), half: [0.55, 0.7], radiance: 1.8 },
+    SoftBox { toward: Vec3::new(-1.0, 0.55, 0.5), half: [0.65, 0.8], radiance: 1.3 },
     // A strip from behind that draws the outline.
-    SoftBox { toward: Vec3::new(1.0, 0.5, -0.9), half: [0.2, 0.7], radiance: 2.2 },
+    SoftBox { toward: Vec3::new(1.0, 0.5, -0.9), half: [0.2, 0.75], radiance: 1.8 },
     // A dim one on the right: what faces it is not black.
-    SoftBox { toward: Vec3::new(1.0, 0.4, 0.9), half: [0.5, 0.5], radiance: 0.5 },
+    SoftBox { toward: Vec3::new(1.0, 0.4, 0.9), half: [0.55, 0.55], radiance: 0.55 },
 ];
 
 impl SoftBox {
@@ -76,7 +76,7 @@ impl SoftBox {
 
 /// Soft boxes in a dark room, a little brighter towards its ceiling.
 pub fn studio(toward: Vec3) -> Vec3 {
-    let room = 0.03 + 0.05 * (0.5 + 0.5 * toward.y);
+    let room = 0.05 + 0.06 * (0.5 + 0.5 * toward.y);
     Vec3::splat(room + SOFT_BOXES.iter().map(|lamp| lamp.radiance(toward)).sum::<f32>())
 }
 
@@ -95,13 +95,13 @@ pub fn clear_sky(toward: Vec3) -> Vec3 {
     if height < 0.0 {
         return Vec3::new(0.16, 0.145, 0.125);
     }
-    let zenith = Vec3::new(0.12, 0.26, 0.62);
-    let horizon = Vec3::new(0.62, 0.74, 0.88);
+    let zenith = Vec3::new(0.10, 0.22, 0.52);
+    let horizon = Vec3::new(0.60, 0.68, 0.78);
     let gradient = horizon.lerp(zenith, height.sqrt());
     let near_sun = toward.dot(sun).max(0.0);
     let glow = Vec3::new(1.0, 0.85, 0.6) * (0.5 * near_sun.powi(8) + 2.0 * near_sun.powi(96));
     let disc =
-        if near_sun > SUN_RADIUS_DEG.to_radians().cos() { Vec3::new(1.0, 0.93, 0.8) * 4000.0 } else { Vec3::ZERO };
+        if near_sun > SUN_RADIUS_DEG.to_radians().cos() { Vec3::new(1.0, 0.93, 0.8) * 6500.0 } else { Vec3::ZERO };
     gradient + glow + disc
 }
 
