@@ -137,6 +137,38 @@ fn smooth_shapes_without_normals_are_smooth() {
     assert_eq!((notes.len(), notes[0].count), (1, 2 * around));
 }
 
+/// Two squares along the x axis that meet at an angle; the normals at the first square's corners.
+fn fold(degrees: f32) -> [Vec3; 4] {
+    let (sin, cos) = degrees.to_radians().sin_cos();
+    let mesh = obj(&format!(
+        "v 0 -1 0\nv 1 -1 0\nv 1 0 0\nv 0 0 0\nv 1 {cos} {}\nv 0 {cos} {}\nf 1 2 3 4\nf 4 3 5 6\n",
+        -sin, -sin
+    ));
+    let [[a, b, c], [_, _, d]] = [soup(&mesh)[0], soup(&mesh)[1]];
+    [a.1, b.1, c.1, d.1]
+}
+
+#[test]
+fn blunt_edges_are_smooth_and_sharp_ones_are_kept() {
+    let blunt = fold(30.0);
+    assert_eq!(blunt[..2], [Vec3::Z; 2]);
+    assert!(blunt[2..].iter().all(|normal| normal.z < 0.99 && normal.z > 30f32.to_radians().cos()), "{blunt:?}");
+    assert!(fold(60.0).iter().all(|normal| normal.abs_diff_eq(Vec3::Z, 1e-6)));
+}
+
+/// Around one point comparing each face with each would take quadratic time.
+#[test]
+fn a_fan_of_many_faces_takes_no_long_time() {
+    let rim = 100_000;
+    let angle = |i: usize| (i as f32 / rim as f32 * std::f32::consts::TAU).sin_cos();
+    let points: String = (0..rim).map(angle).map(|(sin, cos)| format!("v {sin} 0 {cos}\n")).collect();
+    let faces: String = (0..rim).map(|i| format!("f 1 {} {}\n", 2 + i, 2 + (i + 1) % rim)).collect();
+    let start = Instant::now();
+    let mesh = obj(&format!("v 0 1 0\n{points}{faces}"));
+    assert!(mesh.normals.iter().zip(&mesh.positions).any(|(n, p)| *p == Vec3::Y && n.y > 0.999));
+    assert!(start.elapsed().as_secs() < 20, "{:?}", start.elapsed());
+}
+
 #[test]
 fn concave_polygons_keep_their_area() {
     let mesh = obj("v 0 0 0\nv 4 0 0\nv 4 4 0\nv 2 1 0\nv 0 4 0\nf 1 2 3 4 5\n");

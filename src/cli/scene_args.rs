@@ -120,7 +120,7 @@ impl SceneArgs {
         }
     }
 
-    pub fn options(&self) -> LoadOptions {
+    fn options(&self) -> LoadOptions {
         LoadOptions {
             allow_path: self.allow_path.clone(),
             lenient: self.lenient,

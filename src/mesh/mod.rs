@@ -1,7 +1,8 @@
 //! Triangle meshes out of polygons, normals, and the model files OBJ (with MTL) and PLY.
 //!
-//! The readers are our own. `tobj` (4.0) panics on short colours in an MTL file, wraps on large indices, cuts concave polygons
-//! wrongly and cannot tell the line of an error; `ply-rs-bw` needs a newer Rust (4.0) or cannot tell it either (3.0).
+//! The readers are our own. `tobj` (4.0) panics on a short colour in an MTL file, wraps on large indices, cuts concave polygons
+//! wrongly and cannot tell the line of an error; `ply-rs-bw` needs Rust 1.87 (4.0), or follows whatever count a header
+//! promises and keeps a list for every face (3.0).
 
 mod beside;
 mod crease;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use glam::Vec3;
 
 use crate::color::Emission;
-use crate::document::{self, Document, Image, ImageSource};
+use crate::document::{self, Document, Image, ImageSource, Quantity};
 
 use super::sky;
 
@@ -59,7 +59,8 @@ impl Environment {
     }
 }
 
-/// Lights a scene from all around, in place of its own environment; its lamps, and surfaces that shine, stay.
+/// Lights a scene from all around, in place of its own environment and what animates that; its lamps, and surfaces that
+/// shine, stay.
 pub fn light(document: &mut Document, environment: &Environment) {
     let (name, source) = match environment {
         Environment::Studio => ("studio.hdr".to_owned(), sky::painted(sky::studio)),
@@ -67,6 +68,7 @@ pub fn light(document: &mut Document, environment: &Environment) {
         Environment::Sky => ("sky.hdr".to_owned(), sky::painted(sky::clear_sky)),
         Environment::Image(path) => (path.display().to_string(), ImageSource::File(path.clone())),
     };
+    document.channels.retain(|channel| !matches!(channel.drives, Quantity::Environment(_)));
     document.images.push(Image { id: name.clone(), uri: name, source });
     document.environment = Some(document::Environment {
         image: Some(document.images.len() - 1),
