@@ -39,13 +39,15 @@ pub fn fill(points: &[Vec3], normals: &mut Vec<Vec3>, corners: &mut [u32]) {
         units.clear();
         units.extend(areas.iter().map(|area| area.normalize_or_zero()));
         own.clear();
+        // All of them, where there are too many to compare.
+        let all: Option<DVec3> = (here.len() > MOST_COMPARED).then(|| areas.iter().sum());
         for (&corner, unit) in here.iter().zip(&units) {
             let index = &mut corners[WIDTH * corner as usize + 1];
             if *index != ABSENT {
                 continue;
             }
-            let joins = |(_, other): &(&DVec3, &DVec3)| here.len() > MOST_COMPARED || unit.dot(**other) >= cos_crease;
-            let sum: DVec3 = areas.iter().zip(&units).filter(joins).map(|(area, _)| *area).sum();
+            let joins = |(_, other): &(&DVec3, &DVec3)| unit.dot(**other) >= cos_crease;
+            let sum = all.unwrap_or_else(|| areas.iter().zip(&units).filter(joins).map(|(area, _)| *area).sum());
             // The same faces give the same sum to the last bit: the corner shares its vertex with theirs.
             *index = match own.iter().find(|(known, _)| *known == sum) {
                 Some(&(_, known)) => known,
