@@ -182,8 +182,11 @@ fn concave_polygons_keep_their_area() {
     assert!(mesh.triangles.iter().all(|triangle| area(triangle) > 0.0));
 }
 
+/// The symbols of the groups, the bases of the materials, and the notes.
+type Loaded = (Vec<String>, Vec<Base>, Vec<Note>);
+
 /// Loads an OBJ with files beside it.
-fn with_files(name: &str, text: &str, files: &[(&str, &str)]) -> Result<(Vec<String>, Vec<Base>, Vec<Note>), String> {
+fn with_files(name: &str, text: &str, files: &[(&str, &str)]) -> Result<Loaded, String> {
     let folder = std::env::temp_dir().join(format!("pellicle-models-{}-{name}", std::process::id()));
     fs::create_dir_all(folder.join("inside")).unwrap();
     let path = folder.join("inside/m.obj");

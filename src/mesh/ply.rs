@@ -42,7 +42,7 @@ pub fn parse(bytes: &[u8], notes: &mut Notes) -> Result<Soup, Fault> {
     for element in &elements {
         // A count is a promise: nothing is reserved that the file cannot keep.
         let least = element.properties.iter().map(|p| encoding.least_bytes(p.list.unwrap_or(p.kind))).sum::<usize>();
-        let room = if least == 0 { usize::MAX } else { data.left() / least };
+        let room = data.left().checked_div(least).unwrap_or(usize::MAX);
         if element.count > room {
             let message =
                 format!("the header promises {} of `{}`, there is room for {room}", element.count, element.name);
