@@ -4,13 +4,17 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod animation; // what channels drive, and what a posed document holds
+mod blender; // the add-on: scenes of Blender read and rendered, against Cycles
 mod bsdf; // sampling agrees with densities; energy; reciprocity
 mod camera; // parts of pictures have the bits of the whole; wide pixels; apertures
 mod chart; // `pellicle chart`: what is charted is what was measured
-mod cli; // the program as it is run: exit codes, messages, signals, full disks
+mod cli; // the program as it is run: exit codes, messages, signals
 mod collada; // files load to what they say; bad ones give exactly the error that helps
 mod compare; // `pellicle compare`, variance layers, and what says that it is biased
+mod dependencies; // licences, and where the code comes from
+mod documents; // examples load and commands run, as the documents say
 mod embree; // layouts and hits against closed forms
+mod faults; // files from strangers, full disks, stopped processes: nothing lost, nothing let in
 mod film; // the optics against independent truth tables
 mod film_command; // `pellicle film` against the same tables; errors that help; drawings
 mod golden; // shipped scenes against stored pictures

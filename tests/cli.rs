@@ -17,7 +17,7 @@ mod crop;
 #[path = "cli/encode.rs"]
 mod encode;
 #[path = "cli/faults.rs"]
-mod faults;
+pub mod faults;
 #[path = "cli/instances.rs"]
 mod instances;
 #[path = "cli/live.rs"]
@@ -29,7 +29,7 @@ mod models;
 #[path = "cli/shell.rs"]
 mod shell;
 #[path = "cli/signals.rs"]
-mod signals;
+pub mod signals;
 #[path = "cli/slurm.rs"]
 mod slurm;
 #[path = "cli/stops.rs"]
@@ -67,7 +67,7 @@ impl Drop for Folder {
 }
 
 /// Runs in the folder of the tests' scenes, so that messages hold no path of this machine.
-fn command(arguments: &[&str]) -> Command {
+pub fn command(arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_pellicle"));
     command.args(arguments).current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/cli"));
     command.stdin(Stdio::null());

@@ -11,17 +11,21 @@ use pellicle::mesh::{Kind, Note, Options, load, read};
 const CORNERS: [[i8; 3]; 8] = [[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0], [0, 0, 2], [2, 0, 2], [2, 2, 2], [0, 2, 2]];
 const FACES: [[u8; 4]; 6] = [[3, 2, 1, 0], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
 
+fn options(max_bytes: u64) -> Options {
+    Options { smooth_normals: false, allow_path: Vec::new(), max_bytes }
+}
+
 fn obj(text: &str) -> Mesh {
-    read(text.as_bytes(), Path::new("m.obj"), Kind::Obj, false).unwrap().0
+    read(text.as_bytes(), Path::new("m.obj"), Kind::Obj, &options(1 << 30)).unwrap().0
 }
 
 fn ply(bytes: &[u8]) -> Mesh {
-    read(bytes, Path::new("m.ply"), Kind::Ply, false).unwrap().0
+    read(bytes, Path::new("m.ply"), Kind::Ply, &options(1 << 30)).unwrap().0
 }
 
 fn refusal(kind: Kind, bytes: &[u8]) -> String {
     let name = if kind == Kind::Obj { "m.obj" } else { "m.ply" };
-    read(bytes, Path::new(name), kind, false).unwrap_err().to_string()
+    read(bytes, Path::new(name), kind, &options(1 << 30)).unwrap_err().to_string()
 }
 
 /// Corners of all triangles, and the normals there.
@@ -130,7 +134,7 @@ fn smooth_shapes_without_normals_are_smooth() {
             text += &format!("f {} {} {} {}\n", index(i, j), index(i, j + 1), index(i + 1, j + 1), index(i + 1, j));
         }
     }
-    let (mesh, notes) = read(text.as_bytes(), Path::new("m.obj"), Kind::Obj, false).unwrap();
+    let (mesh, notes) = read(text.as_bytes(), Path::new("m.obj"), Kind::Obj, &options(1 << 30)).unwrap();
     for (position, normal) in mesh.positions.iter().zip(&mesh.normals) {
         assert!(position.dot(*normal) > 0.99, "{position} {normal}");
     }
@@ -194,8 +198,7 @@ fn with_files(name: &str, text: &str, files: &[(&str, &str)]) -> Result<Loaded, 
     for (name, text) in files {
         fs::write(folder.join("inside").join(name), text).unwrap();
     }
-    let options = Options { smooth_normals: false, allow_path: Vec::new(), max_bytes: 1 << 20 };
-    let loaded = load(&path, Kind::Obj, &options);
+    let loaded = load(&path, Kind::Obj, &options(1 << 20));
     fs::remove_dir_all(&folder).unwrap();
     let model = loaded.map_err(|error| error.to_string().replace(folder.to_str().unwrap(), ""))?;
     let symbols = model.mesh.groups.iter().map(|group| group.symbol.clone()).collect();
@@ -271,7 +274,7 @@ fn broken_objs_are_told_their_line() {
         assert!(error.starts_with(wanted), "{text:?}: {error}");
     }
     let odd = format!("{three}curv 1 2\ncurv 3\nf 1 2\nl 1 2\nf 1 2 3\n");
-    let (_, notes) = read(odd.as_bytes(), Path::new("m.obj"), Kind::Obj, false).unwrap();
+    let (_, notes) = read(odd.as_bytes(), Path::new("m.obj"), Kind::Obj, &options(1 << 30)).unwrap();
     let seen: Vec<(usize, usize, &str)> =
         notes.iter().map(|note| (note.line, note.count, note.seen.as_str())).collect();
     assert_eq!(seen[0], (4, 2, "`curv` is not supported"));
@@ -319,6 +322,16 @@ fn broken_plys_are_told_what_is_missing() {
     }
 }
 
+#[test]
+fn meshes_keep_to_the_memory_that_they_may_take() {
+    let cube = obj_cube(|i| (i + 1).to_string());
+    let error = read(cube.as_bytes(), Path::new("m.obj"), Kind::Obj, &options(1500)).unwrap_err().to_string();
+    assert_eq!(
+        error,
+        "m.obj:13: the model takes more than 1500 bytes of memory\n  raise --max-memory if the file is right"
+    );
+}
+
 /// Every prefix, and every byte with each of its bits turned, is read or refused, without a panic and at once.
 #[test]
 fn no_damage_hangs_or_panics() {
@@ -330,13 +343,13 @@ fn no_damage_hangs_or_panics() {
     ];
     for (kind, whole) in cubes {
         for length in 0..whole.len() {
-            let cut = read(&whole[..length], Path::new("m"), kind, false);
+            let cut = read(&whole[..length], Path::new("m"), kind, &options(1 << 30));
             assert!(kind == Kind::Obj || cut.is_err(), "{length} bytes of {}", whole.len());
         }
         for i in 0..8 * whole.len() {
             let mut damaged = whole.clone();
             damaged[i / 8] ^= 1 << (i % 8);
-            if let Ok((mesh, _)) = read(&damaged, Path::new("m"), kind, false) {
+            if let Ok((mesh, _)) = read(&damaged, Path::new("m"), kind, &options(1 << 30)) {
                 let count = mesh.positions.len() as u32;
                 assert!(mesh.triangles.iter().flatten().all(|&index| index < count));
                 assert!(mesh.positions.iter().all(|p| p.is_finite()));

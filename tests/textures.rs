@@ -19,7 +19,7 @@ use crate::transport::{Builder, material};
 fn screen(bytes: Vec<u8>, name: &str, encoding: Encoding, cells: usize) -> Vec<Vec3> {
     let mut builder = Builder::seen_from(Vec3::new(0.0, 0.0, 1.0), 90.0);
     let source = ImageSource::Bytes(bytes);
-    builder.0.images.push(Image { id: "image".into(), uri: name.into(), source });
+    builder.0.images.push(Image { id: "image".into(), uri: name.into(), user: "material `m`".into(), source });
     let map =
         Map { image: 0, texcoord: String::new(), slot: 0, encoding, channel: Channel4::G, wrap: [Wrap::Clamp; 2] };
     let radiance = Texture { value: Vec3::ONE, map: Some(map) };

@@ -11,7 +11,7 @@ use crate::document::Document;
 use crate::error::Error;
 use crate::mode::Mode;
 use crate::output::OutputError;
-use crate::render::{Accumulation, Watch};
+use crate::render::{Accumulation, RenderError, Watch};
 
 /// Saves the sums of a render to part files, and finds them again.
 pub struct Saver<'a, M: Mode> {
@@ -86,19 +86,21 @@ impl<'a, M: Mode> Saver<'a, M> {
         }
     }
 
-    /// Renders what `sums` lacks; saves the checkpoint every so often, and when the watch stops it before the end: false then.
+    /// Renders what `sums` lacks; saves the checkpoint every so often, and when the watch or a bug stops it before the end:
+    /// false, or the error, then.
     ///
     /// # Errors
     /// As rendering; or the checkpoint cannot be written.
     pub fn accumulate(&self, sums: &mut Accumulation, every: Duration, watch: &dyn Watch) -> Result<bool, Error> {
         loop {
             let pause = Pause { watch, at: Instant::now().checked_add(every) };
-            if self.prepared.accumulate(self.plan, sums, &pause)? {
-                return Ok(true);
+            let whole = self.prepared.accumulate(self.plan, sums, &pause);
+            if !matches!(whole, Ok(false) | Err(Error::Render(RenderError::Bug { .. }))) {
+                return whole;
             }
             self.save(&self.checkpoint, sums)?;
-            if watch.stop() {
-                return Ok(false);
+            if whole.is_err() || watch.stop() {
+                return whole;
             }
         }
     }

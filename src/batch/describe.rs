@@ -9,16 +9,16 @@ use crate::document::{
 };
 use crate::error::Error;
 use crate::mode::Rgb;
-use crate::scene::{FilmOptions, Scene, Stage, cameras};
+use crate::scene::{FilmOptions, LightGroups, Scene, Stage, cameras};
 
-/// One section per kind of thing; films with the verdict that rendering would use.
+/// One section per kind of thing; films with the verdict that rendering would use. The scene may take `max_memory` bytes.
 ///
 /// # Errors
 /// What [`Stage::new`] and [`Scene::new`] report: a scene that can be described can be rendered.
-pub fn describe(document: &Document, tolerance: f32) -> Result<String, Error> {
+pub fn describe(document: &Document, tolerance: f32, max_memory: u64) -> Result<String, Error> {
     let name = document.path.display().to_string();
     let failed = |source| Error::Build { scene: name.clone(), source };
-    let stage = Arc::new(Stage::new(document, 0).map_err(failed)?);
+    let stage = Arc::new(Stage::movable(document, 0, Vec::new(), LightGroups::default(), max_memory).map_err(failed)?);
     let scene = Scene::<Rgb>::new(stage.clone(), &FilmOptions { tolerance, rung: None }).map_err(failed)?;
     let mut text = String::new();
     // Writing to a String cannot fail.

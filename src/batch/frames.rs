@@ -1,6 +1,5 @@
 //! Lists of frames as people write them, and the files that the frames go to.
 
-use std::collections::BTreeSet;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -19,7 +18,7 @@ impl FrameList {
     /// # Errors
     /// What is wrong with which part.
     pub fn parse(text: &str) -> Result<Self, String> {
-        let mut frames = BTreeSet::new();
+        let mut frames = Vec::new();
         for part in text.split(',') {
             let wrong = || format!("`{part}` is no frame; write them like 1-240 or 1,5,10-20x2");
             let number = |digits: &str| digits.trim().parse::<u32>().map_err(|_| wrong());
@@ -34,12 +33,14 @@ impl FrameList {
             if first > last || step == 0 {
                 return Err(wrong());
             }
-            if ((last - first) / step) as usize >= MOST_FRAMES {
-                return Err(format!("`{part}` are more than {MOST_FRAMES} frames"));
+            if frames.len() + ((last - first) / step) as usize >= MOST_FRAMES {
+                return Err(format!("with `{part}` these are more than {MOST_FRAMES} frames"));
             }
             frames.extend((first..=last).step_by(step as usize));
         }
-        Ok(Self(frames.into_iter().collect()))
+        frames.sort_unstable();
+        frames.dedup();
+        Ok(Self(frames))
     }
 }
 

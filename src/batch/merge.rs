@@ -18,11 +18,11 @@ pub struct Merge {
 
 impl Merge {
     /// Reads the parts' headers. All must have the same settings, and no two the same samples; unless `partial`, they must
-    /// hold all of them.
+    /// hold all of them. The picture may take `max_memory` bytes.
     ///
     /// # Errors
     /// Parts that do not belong together, each with the fix; a picture too large for the memory.
-    pub fn plan(paths: &[PathBuf], partial: bool) -> Result<Self, Error> {
+    pub fn plan(paths: &[PathBuf], partial: bool, max_memory: u64) -> Result<Self, Error> {
         let mut parts = Vec::new();
         for path in paths {
             parts.push((path, Part::open(path)?.header));
@@ -31,7 +31,7 @@ impl Merge {
         let Some((first_path, first)) = parts.first() else {
             return Err(Error::Usage("there are no parts to merge".to_owned()));
         };
-        render::check_memory(first.settings.size, false, render::available_memory())?;
+        render::check_memory(first.settings.size, false, max_memory)?;
         for (path, header) in &parts {
             if let Some((name, ours, theirs)) = first.settings.difference(&header.settings) {
                 return Err(Error::Usage(format!(

@@ -10,6 +10,7 @@ use super::still::{Prepared, StillPlan};
 use crate::document::{Document, ImageSource};
 use crate::error::Error;
 use crate::integrate::{PathLimits, Tally};
+use crate::math::hex;
 use crate::mode::Mode;
 use crate::output::{self, Display, HeaderValue, OutputError, PartBlock, PartReader};
 use crate::render::{Accumulation, Block, Doublings, Plan};
@@ -143,7 +144,7 @@ fn images_sha256(document: &Document) -> Result<String, Error> {
         };
         all.update(digest);
     }
-    Ok(all.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
+    Ok(hex(&all.finalize()))
 }
 
 impl PartHeader {
@@ -165,16 +166,31 @@ impl PartHeader {
     }
 }
 
+impl PartHeader {
+    /// What no render writes is damage.
+    fn check(&self) -> Result<(), &'static str> {
+        let Settings { size, crop, spp, .. } = &self.settings;
+        if self.samples.is_empty() || self.samples.end > *spp {
+            return Err("its range of samples is damaged");
+        }
+        let whole = Window::whole(*size);
+        if size.contains(&0) || !crop.unwrap_or(whole).fits(*size) {
+            return Err("its size is damaged");
+        }
+        Ok(())
+    }
+}
+
 impl Cost {
     pub fn of(sums: &Accumulation) -> Self {
-        let Tally { rays, shadow_rays, non_finite, beyond_range, clamped } = sums.tally;
+        let Tally { rays, shadow_rays, draws: _, non_finite, beyond_range, clamped } = sums.tally;
         let (threads, render_s, render_cpu_s) = (sums.threads, sums.render_s, sums.render_cpu_s);
         Self { rays, shadow_rays, non_finite, beyond_range, clamped, threads, render_s, render_cpu_s }
     }
 
     pub fn add_to(&self, sums: &mut Accumulation) {
         let Self { rays, shadow_rays, non_finite, beyond_range, clamped, threads, render_s, render_cpu_s } = *self;
-        sums.tally += Tally { rays, shadow_rays, non_finite, beyond_range, clamped };
+        sums.tally += Tally { rays, shadow_rays, draws: 0, non_finite, beyond_range, clamped };
         sums.threads = sums.threads.max(threads);
         sums.render_s += render_s;
         sums.render_cpu_s += render_cpu_s;
@@ -208,7 +224,9 @@ impl<'a> Part<'a> {
     /// A file that is missing, damaged or no part, or of another version.
     pub fn open(path: &'a Path) -> Result<Self, Error> {
         let reader = PartReader::open(path)?;
-        let header = serde_json::from_str(&reader.header).map_err(|error| damaged(path, error.to_string()))?;
+        let header: PartHeader =
+            serde_json::from_str(&reader.header).map_err(|error| damaged(path, error.to_string()))?;
+        header.check().map_err(|reason| damaged(path, reason.to_owned()))?;
         Ok(Self { path, header, reader })
     }
 

@@ -1,12 +1,12 @@
 //! Which frames of a batch are there already.
 
-use std::fmt::Write;
 use std::fs;
 
 use sha2::{Digest, Sha256};
 
 use super::frames::{FrameList, Pattern};
 use crate::document::{Document, ImageSource};
+use crate::math::hex;
 use crate::output;
 
 /// A short hash of everything that decides what frames look like: the scene with its images, this program's version, and
@@ -23,10 +23,7 @@ pub fn settings(document: &Document, choices: &str) -> String {
         }
     }
     hash.update(choices);
-    hash.finalize().iter().take(8).fold(String::new(), |mut text, byte| {
-        let _ = write!(text, "{byte:02x}");
-        text
-    })
+    hex(&hash.finalize()[..8])
 }
 
 /// The frames whose files are not there, not whole, or made with other settings.

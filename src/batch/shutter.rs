@@ -41,6 +41,13 @@ impl Watch for Until<'_> {
         // Nobody is asked about a pass that is not due.
         if left == 0 { 0 } else { self.watch.pass(so_far).min(left) }
     }
+
+    /// Of the picture, not of each of its moments.
+    fn done(&self, sums: &Accumulation) {
+        if sums.is_complete() || sums.spp() < self.spp {
+            self.watch.done(sums);
+        }
+    }
 }
 
 #[cfg(test)]

@@ -31,8 +31,8 @@ pub struct StillPlan {
     pub aovs: Vec<Aov>,
     /// Whether the picture is denoised besides.
     pub denoise: bool,
-    /// Largest number of bytes for the picture; `None`: what the machine has left.
-    pub max_memory: Option<u64>,
+    /// Most bytes that the scene, and then the picture, may take.
+    pub max_memory: u64,
 }
 
 impl StillPlan {
@@ -72,13 +72,12 @@ pub fn movable_stage(
     moving: Vec<bool>,
 ) -> Result<(Stage, Camera, Placed, Vec<String>), Error> {
     let groups = if plan.tells_lights_apart() { LightGroups::new(document) } else { LightGroups::default() };
-    let stage =
-        Stage::movable(document, plan.render.threads, moving, groups).map_err(|source| built(document, source))?;
+    let stage = Stage::movable(document, plan.render.threads, moving, groups, plan.max_memory)
+        .map_err(|source| built(document, source))?;
     let (camera, placed) =
         Camera::new(document, plan.camera.as_deref(), plan.raster, plan.framing, stage.bounds).map_err(Error::Usage)?;
     let Window { width, height, .. } = camera.window();
-    let limit = plan.max_memory.unwrap_or_else(render::available_memory);
-    render::check_memory([width, height], plan.needs_survey() || plan.tells_lights_apart(), limit)?;
+    render::check_memory([width, height], plan.needs_survey() || plan.tells_lights_apart(), plan.max_memory)?;
     let mut notes = Vec::new();
     match placed {
         Placed::AsWritten => {}

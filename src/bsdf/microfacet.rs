@@ -9,6 +9,9 @@ use crate::document::Distribution;
 /// Below this alpha a surface is treated as perfectly smooth: the lobe is narrower than f32 directions resolve.
 const SMOOTH_ALPHA: f32 = 1e-4;
 
+/// From this alpha on a lobe spans several degrees.
+const BROAD_ALPHA: f32 = 0.05;
+
 #[derive(Clone, Copy, Debug)]
 pub struct Microfacets {
     pub distribution: Distribution,
@@ -19,6 +22,12 @@ impl Microfacets {
     #[inline]
     pub fn is_smooth(&self) -> bool {
         self.alpha < SMOOTH_ALPHA
+    }
+
+    /// True where neighbouring viewers see much the same of what is reflected.
+    #[inline]
+    pub fn is_broad(&self) -> bool {
+        self.alpha >= BROAD_ALPHA
     }
 
     /// Density of facet normals per steradian and unit of surface, for `h.z > 0`. Walter et al. 2007, eq. 25 and 33.

@@ -25,7 +25,7 @@ pub struct CheckArgs {
 pub fn run(args: &CheckArgs) -> Result<(), Error> {
     let (document, warnings) = args.scene.load()?;
     let tolerance = args.tolerance.or(document.render.tolerance).unwrap_or(1.0);
-    print(&describe::describe(&document, tolerance)?)?;
+    print(&describe::describe(&document, tolerance, args.scene.memory.most())?)?;
     for warning in &warnings {
         say(&format!("warning: {warning}"));
     }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::file_args::FileArgs;
+use super::memory_args::MemoryArgs;
 use super::{print, say};
 use crate::batch::aov::Layers;
 use crate::batch::merge::Merge;
@@ -38,6 +39,8 @@ pub struct MergeArgs {
     exposure: Option<f32>,
     #[command(flatten)]
     file: FileArgs,
+    #[command(flatten)]
+    memory: MemoryArgs,
     /// Say nothing but errors
     #[arg(short, long)]
     quiet: bool,
@@ -51,7 +54,7 @@ pub fn run(args: &MergeArgs) -> Result<(), Error> {
     };
     let format = output::check_picture(&args.output)?;
     args.file.check_merge()?;
-    let merge = Merge::plan(&args.parts, args.partial)?;
+    let merge = Merge::plan(&args.parts, args.partial, args.memory.most())?;
     let sums = merge.run(|part| inform(&format!("adding {}", part.display())))?;
 
     let frame = sums.into_frame();

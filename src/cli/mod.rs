@@ -11,6 +11,7 @@ mod encode;
 mod file_args;
 mod film;
 mod man;
+mod memory_args;
 mod merge;
 mod progress;
 mod raster_args;
@@ -22,6 +23,7 @@ mod stack_args;
 mod stops;
 mod turntable;
 
+use std::ffi::OsString;
 use std::io::Write;
 use std::process::ExitCode;
 use std::sync::LazyLock;
@@ -40,7 +42,7 @@ use crate::error::Error;
   pellicle turntable scenes/titanium.dae -o frames/f.####.png --frames 120 --video titanium.mp4
 
 `pellicle COMMAND --help` explains a command, with examples; `pellicle man | man -l -` is all of it to read.")]
-struct Cli {
+pub struct Cli {
     #[command(subcommand)]
     command: Command,
 }
@@ -60,9 +62,17 @@ enum Command {
     Man(man::ManArgs),
 }
 
+/// Understands a command line, the program's name first.
+///
+/// # Errors
+/// What is wrong with it, or the help that it asks for.
+pub fn parse(words: impl IntoIterator<Item = OsString>) -> Result<Cli, clap::Error> {
+    Cli::try_parse_from(words)
+}
+
 /// Runs the program: 0 when all is done, else the code that [`Error::exit_code`] documents.
 pub fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = parse(std::env::args_os()).unwrap_or_else(|error| error.exit());
     let result = match cli.command {
         Command::Render(args) => render::run(&args),
         Command::Turntable(args) => turntable::run(&args),

@@ -14,9 +14,9 @@ pub struct RasterArgs {
     /// picture, and EXR notes where in it they lie
     #[arg(long, value_name = "X,Y,W,H", value_parser = parse_crop)]
     crop: Option<Window>,
-    /// Width of a pixel over its height, for anamorphic pictures
-    #[arg(long, value_name = "RATIO", value_parser = parse_aspect, default_value = "1")]
-    pixel_aspect: f32,
+    /// Width of a pixel over its height, for anamorphic pictures [default: the scene's, or 1]
+    #[arg(long, value_name = "RATIO", value_parser = parse_aspect)]
+    pixel_aspect: Option<f32>,
 }
 
 #[derive(Clone, Copy)]
@@ -29,7 +29,8 @@ impl RasterArgs {
     /// What is meant: the command line over the scene's hints.
     pub fn raster(&self, hints: &RenderHints) -> Raster {
         let size = self.size.unwrap_or(Size { width: hints.width, height: hints.height });
-        Raster { size: [size.width, size.height], pixel_aspect: self.pixel_aspect, crop: self.crop }
+        let pixel_aspect = self.pixel_aspect.or(hints.pixel_aspect).unwrap_or(1.0);
+        Raster { size: [size.width, size.height], pixel_aspect, crop: self.crop }
     }
 }
 

@@ -29,7 +29,7 @@ use crate::film::Rung;
 use crate::integrate::{PathLimits, Strategy};
 use crate::mode::{Grouped, Mode, Rgb, Spectral};
 use crate::output::{self, Display};
-use crate::render::{Accumulation, Filter, Plan};
+use crate::render::{Accumulation, Filter, Plan, RenderError};
 use crate::scene::{Camera, FilmOptions, Stage};
 
 /// Render a picture of a scene
@@ -78,7 +78,7 @@ pub struct PictureArgs {
     #[arg(long, value_name = "N")]
     seed: Option<u32>,
     /// Threads; 0 = all processors
-    #[arg(short, long, value_name = "N", default_value_t = 0)]
+    #[arg(short, long, value_name = "N", default_value_t = 0, value_parser = parse_threads)]
     threads: usize,
     /// Scattering events on a path: 0 sees lights only, 1 adds direct light [default: the scene's, or 16]
     #[arg(long, value_name = "N")]
@@ -117,9 +117,6 @@ pub struct PictureArgs {
     pub(super) denoise: DenoiseArgs,
     #[command(flatten)]
     pub(super) file: FileArgs,
-    /// Most memory for the picture, like `8G` or `500M` [default: what the machine has left]
-    #[arg(long, value_name = "SIZE", value_parser = parse_bytes)]
-    max_memory: Option<u64>,
 }
 
 /// What is said on the way.
@@ -180,7 +177,7 @@ enum RungArg {
 
 #[derive(Clone, Copy, ValueEnum)]
 enum StrategyArg {
-    /// As `mis`, and neighbouring pixels look at what each other's paths found
+    /// As `mis`, and neighbouring pixels look at what each other's paths found, where a pilot finds that it pays
     Shared,
     /// Light and surface sampling, weighted
     Mis,
@@ -190,20 +187,21 @@ enum StrategyArg {
     Bsdf,
 }
 
+/// Far more threads than processors only bring a machine to its knees.
+const MOST_THREADS: usize = 1024;
+
+fn parse_threads(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(threads) if threads <= MOST_THREADS => Ok(threads),
+        _ => Err(format!("give a number up to {MOST_THREADS}; 0 takes all processors")),
+    }
+}
+
 fn parse_clamp(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {
         Ok(limit) if limit.is_finite() && limit > 0.0 => Ok(limit),
         _ => Err("give a radiance above 0, in the scene's units, like 10".to_owned()),
     }
-}
-
-/// Bytes, or with the letters k, M, G, T the powers of 1000.
-fn parse_bytes(text: &str) -> Result<u64, String> {
-    let letters = ["k", "M", "G", "T"];
-    let found = letters.iter().zip(1..).find_map(|(letter, power)| Some((text.strip_suffix(letter)?, power)));
-    let (digits, power) = found.unwrap_or((text, 0));
-    let bytes = digits.parse::<u64>().ok().and_then(|number| number.checked_mul(1000u64.pow(power)));
-    bytes.ok_or_else(|| "write it as a whole number of bytes, or like `500M` or `8G`".to_owned())
 }
 
 pub fn run(args: &RenderArgs) -> Result<(), Error> {
@@ -223,7 +221,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Error> {
     let parse_s = loading.elapsed().as_secs_f64();
     args.talk.warn(&warnings);
 
-    let mut plan = args.picture.plan(&document.render);
+    let mut plan = args.picture.plan(&document.render, args.scene.memory.most());
     args.stops.apply(&mut plan, args.picture.spp, target)?;
     let denoiser = args.picture.denoise.load(target == Target::Part, &args.talk)?;
     plan.denoise &= denoiser.is_some();
@@ -282,12 +280,18 @@ impl Job<'_> {
         let live = Live::new(&progress, shows, |line| args.talk.inform(line));
         let limited = Limited { watch: &live, limit, start };
         let whole = match (&saver, args.sampling.checkpoint()) {
-            (Some(saver), Some(every)) => saver.accumulate(&mut sums, every, &limited)?,
-            _ => prepared.accumulate(plan, &mut sums, &limited)?,
+            (Some(saver), Some(every)) => saver.accumulate(&mut sums, every, &limited),
+            _ => prepared.accumulate(plan, &mut sums, &limited),
         };
         progress.finish();
 
-        let stopped = if whole { Ok(()) } else { self.stopped(saver.as_ref(), &signal, &sums) };
+        let (whole, stopped) = match whole {
+            Ok(true) => (true, Ok(())),
+            Ok(false) => (false, self.stopped(saver.as_ref(), &signal, &sums)),
+            // What was rendered besides is kept as after a signal.
+            Err(bug @ Error::Render(RenderError::Bug { .. })) => (false, Err(bug)),
+            Err(error) => return Err(error),
+        };
         if !whole && (self.target == Target::Part || sums.spp() == 0) {
             return stopped;
         }
@@ -408,7 +412,7 @@ impl PictureArgs {
     }
 
     /// What is meant: the command line over the scene's hints over the defaults.
-    pub fn plan(&self, hints: &RenderHints) -> StillPlan {
+    pub fn plan(&self, hints: &RenderHints, max_memory: u64) -> StillPlan {
         StillPlan {
             raster: self.raster.raster(hints),
             camera: self.camera.clone().or_else(|| hints.camera.clone()),
@@ -449,7 +453,7 @@ impl PictureArgs {
             }),
             aovs: self.file.aovs(),
             denoise: self.denoise.is_wanted(),
-            max_memory: self.max_memory,
+            max_memory,
         }
     }
 }

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
+use super::memory_args::MemoryArgs;
 use crate::collada::{self, FalloffRule, LoadOptions, MissingTexture, UpAxis, Warning};
 use crate::document::Document;
 use crate::error::Error;
@@ -44,6 +45,8 @@ pub struct SceneArgs {
     /// How point and spot lights fall off with distance
     #[arg(long, value_name = "RULE", value_enum, default_value = "auto", help_heading = "Scene")]
     pub light_falloff: FalloffArg,
+    #[command(flatten)]
+    pub memory: MemoryArgs,
 }
 
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
@@ -111,9 +114,10 @@ impl SceneArgs {
         Ok((document, warnings))
     }
 
-    /// How the file is read, as far as the pictures depend on it: not where images may lie.
+    /// How the file is read, as far as the pictures depend on it: not where images may lie, nor how much fits.
     pub fn reading(&self) -> String {
-        let options = LoadOptions { allow_path: Vec::new(), ..self.options() };
+        let max_bytes = LoadOptions::default().max_bytes;
+        let options = LoadOptions { allow_path: Vec::new(), max_bytes, ..self.options() };
         match (self.material.as_slice(), &self.environment) {
             ([], None) => format!("{options:?}"),
             (material, environment) => format!("{options:?} {material:?} {environment:?}"),
@@ -140,7 +144,7 @@ impl SceneArgs {
                 MissingTextureArg::Error => MissingTexture::Error,
                 MissingTextureArg::Magenta => MissingTexture::Magenta,
             },
-            ..LoadOptions::default()
+            max_bytes: self.memory.most(),
         }
     }
 }

@@ -89,26 +89,23 @@ fn parse_shutter(text: &str) -> Result<Shutter, String> {
 
 /// Seconds from `90`, `90s`, `1m30s`, `2h`.
 pub fn parse_duration(text: &str) -> Result<f64, String> {
+    let wrong = || "write a time like 20s, 1m30s or 2h".to_owned();
     let mut seconds = 0.0;
     let mut rest = text;
     while !rest.is_empty() {
         let end = rest.find(|c: char| !(c.is_ascii_digit() || c == '.')).unwrap_or(rest.len());
-        let (number, unit) = (rest[..end].parse::<f64>(), &rest[end..]);
-        let length = unit.find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(unit.len());
-        let factor = match &unit[..length] {
+        let (number, unit) = rest.split_at(end);
+        let (unit, left) = unit.split_at(unit.find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(unit.len()));
+        let factor = match unit {
             "" | "s" => 1.0,
             "m" | "min" => 60.0,
             "h" => 3600.0,
-            _ => f64::NAN,
+            _ => return Err(wrong()),
         };
-        seconds += number.unwrap_or(f64::NAN) * factor;
-        rest = &unit[length..];
+        seconds += number.parse::<f64>().map_err(|_| wrong())? * factor;
+        rest = left;
     }
-    if seconds > 0.0 && seconds.is_finite() {
-        Ok(seconds)
-    } else {
-        Err("write a time like 20s, 1m30s or 2h".to_owned())
-    }
+    if seconds > 0.0 && seconds.is_finite() { Ok(seconds) } else { Err(wrong()) }
 }
 
 impl SequenceArgs {
@@ -179,7 +176,7 @@ impl<'a> Work<'a> {
         let (document, warnings) = scene.load()?;
         let parse_s = start.elapsed().as_secs_f64();
         talk.warn(&warnings);
-        let mut still = picture.plan(&document.render);
+        let mut still = picture.plan(&document.render, scene.memory.most());
         let denoiser = picture.denoise.load(false, talk)?;
         still.denoise &= denoiser.is_some();
         if args.has_budget() && picture.spp.is_none() {
@@ -274,7 +271,7 @@ impl<'a> Work<'a> {
     /// Everything that the user chose and that a frame shows.
     fn choices(&self, motion_words: &str) -> String {
         let mut still = self.still.clone();
-        (still.render.threads, still.max_memory) = (0, None);
+        (still.render.threads, still.max_memory) = (0, 0);
         let reading = self.scene.reading();
         let (budget, lock, shutter) = (self.args.budget(), self.args.seed_lock, self.args.shutter);
         let mode = self.picture.mode_words(&self.document.render);

@@ -150,8 +150,8 @@ pub(super) fn list(text: &str, fit: impl Fn(f64) -> bool, otherwise: &str) -> Re
                 }
                 // The last step may miss the end by rounding.
                 let steps = ((stop - start) / step + 1e-9).floor();
-                if steps > MOST_VALUES as f64 {
-                    return Err(format!("`{item}` has more than {MOST_VALUES} values; take a larger step"));
+                if steps + values.len() as f64 > MOST_VALUES as f64 {
+                    return Err(format!("with `{item}` these are more than {MOST_VALUES} values; take a larger step"));
                 }
                 values.extend((0..=steps as usize).map(|i| (start + i as f64 * step).min(stop)));
             }

@@ -23,6 +23,9 @@ pub fn read(loader: &mut Loader) -> Result<(), Fault> {
         if aim.drives.is_empty() {
             missing.push(element);
         } else if let Some(channel) = channel(loader, &mut arrays, element, target, &aim)? {
+            let bytes = (channel.times_s.len() + channel.values.len()) * size_of::<f32>()
+                + (channel.in_tangents.len() + channel.out_tangents.len()) * size_of::<Vec2>();
+            loader.take(element, aim.drives.len() * (size_of::<Channel>() + bytes))?;
             loader.document.channels.extend(aim.drives.iter().map(|&drives| Channel { drives, ..channel.clone() }));
         }
     }

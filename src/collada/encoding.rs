@@ -20,10 +20,14 @@ pub fn decode(bytes: Vec<u8>) -> Result<String, String> {
         let offset = error.utf8_error().valid_up_to();
         format!("byte {offset} is not UTF-8; save the file as UTF-8")
     })?;
-    if text.starts_with('\u{FEFF}') {
-        text.drain(..'\u{FEFF}'.len_utf8());
-    }
+    strip_marks(&mut text);
     Ok(text)
+}
+
+/// The XML reader passes over a mark without counting its bytes, and offsets would be wrong: files may begin with several.
+fn strip_marks(text: &mut String) {
+    let marks = text.len() - text.trim_start_matches('\u{FEFF}').len();
+    text.drain(..marks);
 }
 
 fn utf16(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> Result<String, String> {
@@ -42,6 +46,7 @@ fn utf16(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> Result<String, String> {
         units += character.len_utf16();
         text.push(character);
     }
+    strip_marks(&mut text);
     Ok(text)
 }
 

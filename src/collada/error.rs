@@ -146,20 +146,26 @@ fn floor_boundary(source: &str, offset: usize) -> usize {
     offset
 }
 
+/// Longer names are not compared: that takes time and memory by the product of their lengths.
+const LONGEST_NAME: usize = 100;
+
 /// "did you mean" for one near name, the whole list for none; nothing when there are no names at all.
 pub fn suggestion<'n>(given: &str, valid: impl IntoIterator<Item = &'n str>) -> Option<String> {
     let mut valid: Vec<&str> = valid.into_iter().collect();
     valid.sort_unstable();
     valid.dedup();
+    let comparable = |name: &&&str| name.len().max(given.len()) <= LONGEST_NAME;
     let nearest = valid
         .iter()
+        .filter(comparable)
         .map(|name| (strsim::damerau_levenshtein(&given.to_lowercase(), &name.to_lowercase()), *name))
         .min_by_key(|&(distance, _)| distance);
     match nearest {
-        None => None,
+        _ if valid.is_empty() => None,
         Some((distance, name)) if distance <= 1 + name.len() / 4 => Some(format!("did you mean `{name}`?")),
-        Some(_) => {
-            let shown: Vec<String> = valid.iter().take(20).map(|name| format!("`{name}`")).collect();
+        _ => {
+            let brief = |name: &&str| format!("`{}`", name.chars().take(LONGEST_NAME).collect::<String>());
+            let shown: Vec<String> = valid.iter().take(20).map(brief).collect();
             let more = if valid.len() > 20 { ", ..." } else { "" };
             Some(format!("valid here: {}{more}", shown.join(", ")))
         }

@@ -42,6 +42,7 @@ fn read<'a>(loader: &mut Loader<'a>, geometry: Element<'a>) -> Result<Option<Sha
     }
     if let Some(mesh) = geometry.child("mesh") {
         let mesh = mesh::read(loader, mesh)?;
+        loader.take(geometry, mesh.bytes())?;
         if mesh.triangles.is_empty() {
             loader.warnings.add(geometry, format!("geometry `{id}` has no triangles"), "it is ignored");
             return Ok(None);

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use crate::document::{Image, ImageSource};
 use crate::mesh::{self, Refusal};
+use crate::scene::Texture;
 
 use super::MissingTexture;
 use super::error::Fault;
@@ -49,7 +50,6 @@ fn resolve<'a>(loader: &mut Loader<'a>, place: Element<'a>, id: &str, uri: &str,
         Ok(Some(source)) => source,
         Ok(None) if loader.options.missing_texture == MissingTexture::Magenta => {
             let seen = format!("image `{uri}` of {user} is missing");
-
             loader.warnings.add(place, seen, "it is shown as magenta");
             ImageSource::Missing
         }
@@ -59,7 +59,15 @@ fn resolve<'a>(loader: &mut Loader<'a>, place: Element<'a>, id: &str, uri: &str,
             return Err((format!("image `{uri}` of {user} is missing"), Some(hint)));
         }
     };
-    loader.document.images.push(Image { id: id.to_owned(), uri: uri.to_owned(), source });
+    let mut image = Image { id: id.to_owned(), uri: uri.to_owned(), user: user.to_owned(), source };
+    if loader.options.missing_texture == MissingTexture::Magenta {
+        // One that is there but cannot be decoded is as good as missing.
+        if let Err(error) = Texture::load(&image, loader.options.max_bytes) {
+            loader.warnings.add(place, error.to_string(), "it is shown as magenta");
+            image.source = ImageSource::Missing;
+        }
+    }
+    loader.document.images.push(image);
     let index = loader.document.images.len() - 1;
     loader.images.insert(uri.to_owned(), index);
     Ok(index)

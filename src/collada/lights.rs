@@ -59,6 +59,12 @@ pub fn load<'a>(loader: &mut Loader<'a>, light: Element<'a>) -> Result<LoadedLig
             _ => loader.warnings.add(light, "`radius_m` of a light that is neither point nor spot", "it is ignored"),
         }
     }
+    if let Some(given) = profile.angle_deg {
+        match &mut kind {
+            LightKind::Directional { angle_deg } => *angle_deg = given,
+            _ => loader.warnings.add(light, "`angle_deg` of a light that is not directional", "it is ignored"),
+        }
+    }
     let index = loader.document.lights.len();
     let id = light.attribute("id").unwrap_or_default().to_owned();
     loader.light_elements.push(light);

@@ -43,6 +43,8 @@ pub struct Loader<'a> {
     pub cameras: HashMap<usize, usize>,
     pub nodes: HashMap<usize, NodeMemo>,
     default_material: Option<usize>,
+    /// Bytes that the document may still take.
+    memory: u64,
 }
 
 impl<'a> Loader<'a> {
@@ -68,6 +70,7 @@ impl<'a> Loader<'a> {
             cameras: HashMap::new(),
             nodes: HashMap::new(),
             default_material: None,
+            memory: xml.left_bytes,
         };
         for element in xml.all() {
             let Some(id) = element.attribute("id") else { continue };
@@ -114,6 +117,21 @@ impl<'a> Loader<'a> {
                 Err(fault(format!("there is no <{kind}> with id `{id}`")).suggest(id, ids.map(|(_, id)| *id)))
             }
         }
+    }
+
+    /// Counts what `element` has added to the document: few bytes of a file can stand for many, as several elements may
+    /// refer to the same data.
+    pub fn take(&mut self, element: Element, bytes: usize) -> Result<(), Fault> {
+        let most = self.options.max_bytes;
+        self.memory = self.memory.checked_sub(bytes as u64).ok_or_else(|| {
+            element
+                .fault(format!(
+                    "with this <{}> the file and its scene take more than {most} bytes of memory",
+                    element.name()
+                ))
+                .hint("raise --max-memory if the file is right")
+        })?;
+        Ok(())
     }
 
     /// The index of the grey diffuse material for surfaces that name none.

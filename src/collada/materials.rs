@@ -16,6 +16,7 @@ pub fn load<'a>(loader: &mut Loader<'a>, material: Element<'a>) -> Result<usize,
     }
     let mut read = read(loader, material, 0)?;
     read.number_texcoords();
+    loader.take(material, read.bytes())?;
     loader.document.materials.push(read);
     let index = loader.document.materials.len() - 1;
     loader.materials.insert(material.index(), index);

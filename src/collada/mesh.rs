@@ -14,6 +14,9 @@ use super::primitives::{self, LINES, SURFACES, Stream};
 use super::sources::{Accessor, Arrays, whole_number};
 use super::xml::Element;
 
+/// Texture coordinate sets of one mesh. Every corner has an index for each: their number multiplies what a mesh takes.
+const MOST_UV_SETS: usize = 32;
+
 /// All sources of one kind, one after the other.
 struct Pool<T> {
     values: Vec<T>,
@@ -136,6 +139,9 @@ impl Pools {
             let set = set as u32;
             let channel = self.sets.iter().position(|&known| known == set).unwrap_or(self.sets.len());
             if channel == self.sets.len() {
+                if channel == MOST_UV_SETS {
+                    return Err(primitive.fault(format!("the mesh has more than {MOST_UV_SETS} TEXCOORD sets")));
+                }
                 self.sets.push(set);
             }
             layout.uvs.resize(layout.uvs.len().max(channel + 1), None);

@@ -51,6 +51,7 @@ use std::path::{Path, PathBuf};
 use sha2::{Digest, Sha256};
 
 use crate::document::Document;
+use crate::math::hex;
 
 pub use dress::dress;
 pub use error::{Place, SceneError};
@@ -71,7 +72,8 @@ pub struct LoadOptions {
     pub invert_opacity: bool,
     pub falloff: FalloffRule,
     pub missing_texture: MissingTexture,
-    /// Limit for the file, and for everything unpacked from an archive together.
+    /// Limit in bytes for the file, for everything unpacked from an archive together, for its elements in memory, and for
+    /// the scene that is made of them.
     pub max_bytes: u64,
 }
 
@@ -128,9 +130,9 @@ pub enum MissingTexture {
 pub fn load(path: &Path, options: &LoadOptions) -> Result<(Document, Vec<Warning>), SceneError> {
     let whole_file = |message| SceneError { file: path.to_owned(), place: None, message, hint: None };
     let (package, bytes) = package::open(path, options.max_bytes).map_err(whole_file)?;
-    let sha256 = Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect();
+    let sha256 = hex(&Sha256::digest(&bytes));
     let source = encoding::decode(bytes).map_err(whole_file)?;
-    let xml = xml::parse(source).map_err(|broken| broken.0.locate(path, &broken.1))?;
+    let xml = xml::parse(source, options.max_bytes).map_err(|broken| broken.0.locate(path, &broken.1))?;
     let mut loader = loader::Loader::new(&xml, options, &package);
     loader.document.path = path.to_owned();
     loader.document.sha256 = sha256;

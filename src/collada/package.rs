@@ -3,12 +3,13 @@
 use std::cell::RefCell;
 use std::fs::File;
 use std::io::{BufReader, Read};
+use std::os::unix::fs::FileTypeExt;
 use std::path::{Component, Path, PathBuf};
 
 use zip::ZipArchive;
 use zip::result::ZipError;
 
-use super::xml;
+use super::{encoding, xml};
 
 /// A scene file with the place that its relative references start from.
 pub enum Package {
@@ -32,6 +33,11 @@ pub fn open(path: &Path, max_bytes: u64) -> Result<(Package, Vec<u8>), String> {
     let mut bytes = Vec::new();
     let mut magic = [0; 4];
     let cannot_read = |error| format!("cannot be read: {error}");
+    let kind = file.metadata().map_err(cannot_read)?.file_type();
+    // Some have no end.
+    if kind.is_char_device() || kind.is_block_device() {
+        return Err("is a device, not a file".to_owned());
+    }
     let read = file.read(&mut magic).map_err(cannot_read)?;
     if magic == *b"PK\x03\x04" {
         let archive =
@@ -60,7 +66,7 @@ impl Archive {
         let archive = Self { zip: RefCell::new(zip), folder: String::new(), budget: RefCell::new(max_bytes) };
         let root = if has_manifest {
             let manifest = archive.member("manifest.xml")?.unwrap_or_default();
-            dae_root(manifest).ok_or("has a manifest.xml without <dae_root>")?
+            dae_root(manifest, max_bytes).ok_or("has a manifest.xml without <dae_root>")?
         } else {
             only_document.ok_or("is an archive without manifest.xml and not exactly one .dae inside")?
         };
@@ -89,7 +95,7 @@ impl Archive {
         let mut budget = self.budget.borrow_mut();
         // The size in the archive's directory is a claim: what is really unpacked is what counts.
         let mut bytes = Vec::new();
-        let unpacked = member.take(*budget + 1).read_to_end(&mut bytes);
+        let unpacked = member.take(budget.saturating_add(1)).read_to_end(&mut bytes);
         unpacked.map_err(|error| format!("holds `{name}`, which cannot be unpacked: {error}"))?;
         match budget.checked_sub(bytes.len() as u64) {
             Some(left) => *budget = left,
@@ -99,8 +105,8 @@ impl Archive {
     }
 }
 
-fn dae_root(manifest: Vec<u8>) -> Option<String> {
-    let manifest = xml::parse(String::from_utf8(manifest).ok()?).ok()?;
+fn dae_root(manifest: Vec<u8>, max_bytes: u64) -> Option<String> {
+    let manifest = xml::parse(encoding::decode(manifest).ok()?, max_bytes).ok()?;
     let root = manifest.all().find(|element| element.name() == "dae_root")?.text().into_owned();
     let file = root.split('#').next()?;
     Some(super::images::percent_decode(file))

@@ -4,7 +4,6 @@ use std::collections::HashMap;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use super::error::line_at;
 use super::xml::{Element, Xml};
 
 /// Something in the file that was ignored, replaced or doubtful.
@@ -63,9 +62,14 @@ impl Warnings {
 
     /// In the order in which they were met.
     pub fn finish(self, file: &Path, xml: &Xml) -> Vec<Warning> {
+        // Files may earn as many warnings as they have lines: one look at the text serves all.
+        let ends: Vec<usize> = match self.entries.is_empty() {
+            true => Vec::new(),
+            false => xml.source.bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(at, _)| at).collect(),
+        };
         let finished = |entry: Entry| Warning {
             file: file.to_owned(),
-            line: line_at(&xml.source, entry.offset).0,
+            line: 1 + ends.partition_point(|&end| end < entry.offset),
             seen: entry.seen,
             advice: entry.advice,
             count: entry.count,

@@ -16,6 +16,8 @@ pub struct Xml {
     pub source: String,
     elements: Vec<Record>,
     attributes: Vec<Attribute>,
+    /// What text and arena have left of the memory.
+    pub left_bytes: u64,
 }
 
 struct Record {
@@ -43,11 +45,12 @@ enum Piece {
     Character(char),
 }
 
-/// Parses the whole text. Errors: not well-formed, a document type definition, nesting beyond [`DEPTH_LIMIT`].
+/// Parses the whole text. Errors: not well-formed, a document type definition, nesting beyond [`DEPTH_LIMIT`], so many
+/// elements that text and arena take more than `max_bytes` (an element of four letters takes 30 times as many bytes).
 /// The source is handed back with the fault so that the caller can show the place.
-pub fn parse(source: String) -> Result<Xml, Box<(Fault, Xml)>> {
+pub fn parse(source: String, max_bytes: u64) -> Result<Xml, Box<(Fault, Xml)>> {
     let mut xml = Xml::over(String::new());
-    let result = xml.fill(&source);
+    let result = xml.fill(&source, max_bytes);
     xml.source = source;
     match result {
         Ok(()) => Ok(xml),
@@ -62,10 +65,11 @@ fn fault(span: Range<usize>, message: impl Into<String>) -> Fault {
 impl Xml {
     /// An arena without elements over a text.
     pub fn over(source: String) -> Self {
-        Self { source, elements: Vec::new(), attributes: Vec::new() }
+        Self { source, elements: Vec::new(), attributes: Vec::new(), left_bytes: 0 }
     }
 
-    fn fill(&mut self, source: &str) -> Result<(), Fault> {
+    fn fill(&mut self, source: &str, max_bytes: u64) -> Result<(), Fault> {
+        self.left_bytes = max_bytes.saturating_sub(source.len() as u64);
         let mut reader = Reader::from_str(source);
         let mut open: Vec<usize> = Vec::new();
         loop {
@@ -75,6 +79,15 @@ impl Xml {
                 fault(at..at + 1, format!("not well-formed XML: {error}"))
             })?;
             let end = reader.buffer_position() as usize;
+            let taken = match &event {
+                Event::Start(tag) | Event::Empty(tag) => size_of::<Record>() + tag.len() / 5 * size_of::<Attribute>(),
+                Event::Text(_) | Event::CData(_) | Event::GeneralRef(_) => size_of::<Piece>(),
+                _ => 0,
+            };
+            self.left_bytes = self.left_bytes.checked_sub(taken as u64).ok_or_else(|| {
+                fault(start..end, format!("so many elements take more than {max_bytes} bytes of memory"))
+                    .hint("raise --max-memory if the file is right")
+            })?;
             match event {
                 Event::Start(tag) => {
                     if open.len() == DEPTH_LIMIT {

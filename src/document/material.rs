@@ -53,6 +53,21 @@ impl Material {
         base.into_iter().chain(films).chain(emission).chain(normal).chain(&self.opacity.map)
     }
 
+    /// What it takes in memory.
+    pub fn bytes(&self) -> usize {
+        let base = match &self.base {
+            Base::Conductor { index, .. } | Base::Dielectric { index, .. } => Some(index),
+            Base::Diffuse { .. } | Base::Black => None,
+        };
+        let indices = base.into_iter().chain(self.films.iter().map(|film| &film.index));
+        let rows: usize = indices.map(|index| if let Index::Table(rows) = index { rows.len() } else { 0 }).sum();
+        let spectrum = self.emission.as_ref().map_or(0, |emission| match &emission.spectrum {
+            Emission::Table(rows) => rows.len(),
+            _ => 0,
+        });
+        size_of::<Self>() + rows * size_of::<(f32, f32, f32)>() + spectrum * size_of::<(f32, f32)>()
+    }
+
     fn maps_mut(&mut self) -> impl Iterator<Item = &mut Map> {
         let base = match &mut self.base {
             Base::Diffuse { reflectance, .. } => reflectance.map.as_mut(),

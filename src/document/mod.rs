@@ -60,6 +60,8 @@ pub struct Document {
 pub struct RenderHints {
     pub width: Option<u32>,
     pub height: Option<u32>,
+    /// Width of a pixel over its height.
+    pub pixel_aspect: Option<f32>,
     pub spp: Option<u32>,
     pub seed: Option<u32>,
     pub max_bounces: Option<u32>,

@@ -46,6 +46,15 @@ pub struct Mesh {
     pub degenerate: usize,
 }
 
+impl Mesh {
+    /// What it takes in memory.
+    pub fn bytes(&self) -> usize {
+        let uvs: usize = self.uv_sets.iter().map(|set| set.uvs.len()).sum();
+        let points = self.positions.len() + self.normals.len();
+        points * size_of::<Vec3>() + uvs * size_of::<Vec2>() + self.triangles.len() * size_of::<[u32; 3]>()
+    }
+}
+
 #[derive(Clone, Debug)]
 pub struct UvSet {
     /// The `set` attribute of the input (0 when absent).

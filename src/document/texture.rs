@@ -91,6 +91,8 @@ pub struct Image {
     pub id: String,
     /// As written in the file, for messages.
     pub uri: String,
+    /// Who refers to it first, for messages: "material `gold`".
+    pub user: String,
     pub source: ImageSource,
 }
 

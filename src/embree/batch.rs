@@ -33,7 +33,7 @@ impl Accel {
         let lanes = self.lanes(&query, active);
         let pointer: *mut RTCRay8 = &mut query;
         // SAFETY: as in `Accel::occluded`, with a whole, 32-byte aligned RTCRay8 of the installed Embree and eight ints as
-        // aligned. Lanes that are 0 are not read. An unbuilt scene has none that count.
+        // aligned; all lanes hold numbers, whether they count or not. An unbuilt scene has none that count.
         unsafe { sys::rtcOccluded8(lanes.0.as_ptr(), self.world.raw(), pointer.cast(), ptr::null_mut()) };
         (0..BATCH).fold(0, |mask, lane| mask | u8::from(lanes.0[lane] != 0 && query.tfar[lane] < 0.0) << lane)
     }

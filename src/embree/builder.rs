@@ -67,7 +67,8 @@ impl AccelBuilder {
         positions.push(Vec3::ZERO);
 
         let geometry = self.device.geometry(sys::RTCGeometryType::TRIANGLE)?;
-        // SAFETY: both buffers are owned by the `Solid` that also owns `geometry`, outlive it, and are not changed. Each
+        // SAFETY: `keep` makes both buffers part of the `Solid` that also owns `geometry`: they outlive it, and are neither
+        // changed nor moved, as a vector's elements stay where they are when the vector moves. Until then nothing reads. Each
         // read of a vertex stays inside, thanks to the padding; each index was checked. Strides and formats are those of
         // the element types (asserted in `layout`).
         unsafe {
@@ -153,10 +154,12 @@ impl AccelBuilder {
     }
 
     fn keep(&mut self, geometry: Geometry, buffers: Buffers) -> Result<Shape, EmbreeError> {
+        // From here on the buffers outlive the geometry, whatever happens.
+        let solid = Solid { object: None, geometry, buffers };
         // SAFETY: the geometry is alive and complete.
-        unsafe { sys::rtcCommitGeometry(geometry.raw()) };
+        unsafe { sys::rtcCommitGeometry(solid.geometry.raw()) };
         self.device.check("take a shape")?;
-        self.solids.push(Solid { object: None, geometry, buffers });
+        self.solids.push(solid);
         Ok(Shape(self.solids.len() - 1))
     }
 }

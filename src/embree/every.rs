@@ -43,11 +43,12 @@ impl Accel {
 /// Notes a hit and turns it down, so that Embree goes on looking.
 unsafe extern "C" fn note<F: FnMut(Hit)>(arguments: *const RTCFilterFunctionNArguments) {
     // SAFETY: Embree calls this from `rtcIntersect1` only, with pointers to one ray and one hit (N = 1), whose layout then is
-    // that of RTCRay and RTCHit, and with the context of `every_hit`, which nobody else uses meanwhile.
+    // that of RTCRay and RTCHit (the manual promises no alignment, so none is relied on), and with the context of
+    // `every_hit`, which nobody else uses meanwhile. A panic of `found` ends the program here: it never unwinds into Embree.
     unsafe {
         let arguments = &*arguments;
-        let ray = *arguments.ray.cast::<RTCRay>();
-        let hit = *arguments.hit.cast::<RTCHit>();
+        let ray = arguments.ray.cast::<RTCRay>().read_unaligned();
+        let hit = arguments.hit.cast::<RTCHit>().read_unaligned();
         let noting = &mut *arguments.context.cast::<Noting<F>>();
         if let Some(hit) = Hit::from_raw(&RTCRayHit { ray, hit }) {
             (noting.found)(hit);

@@ -16,6 +16,9 @@ pub struct Ray {
 }
 
 impl Ray {
+    /// In place of a ray where there is none.
+    pub const NONE: Self = Self { origin: Vec3::ZERO, dir: Vec3::Z, tnear: 0.0, tfar: 0.0 };
+
     /// The half line from `origin`.
     #[inline]
     pub fn new(origin: Vec3, dir: Vec3) -> Self {

@@ -1,7 +1,9 @@
 //! Next-event estimation: light that comes straight from a source.
 
+use glam::Vec3;
+
 use super::vertex::Vertex;
-use super::{PathLimits, Strategy, Tally, mis_weight};
+use super::{Strategy, Tally, mis_weight};
 use crate::embree::Ray;
 use crate::mode::{Lanes, Mode};
 use crate::scene::Scene;
@@ -9,15 +11,30 @@ use crate::scene::Scene;
 /// Shadow rays end this share of their length before the light's own surface.
 const SHADOW_GAP: f32 = 1e-4;
 
+/// A surface draws no more than 2^this sources of light at once.
+pub const MOST_DRAWS_LOG2: u32 = 2;
+
 /// Light from one drawn source, scattered towards the viewer.
 pub(super) struct Direct<L> {
     pub light: L,
+    /// Where it comes from, in the frame of the vertex, and what arrives from there before it is scattered.
+    pub wi: Vec3,
+    pub arriving: L,
     /// The light counts only if nothing lies on this ray; `None` when that is settled.
     pub shadow: Option<Ray>,
 }
 
 impl<L: Lanes> Direct<L> {
-    pub const NONE: Self = Self { light: L::ZERO, shadow: None };
+    pub const NONE: Self = Self { light: L::ZERO, wi: Vec3::Z, arriving: L::ZERO, shadow: None };
+}
+
+/// How a source is drawn.
+pub(super) struct Draw {
+    pub strategy: Strategy,
+    /// The light is that of one draw of so many.
+    pub of: u32,
+    /// True where others look at the vertex too: they may see what its own path does not.
+    pub others_look: bool,
 }
 
 /// Draws a source, and leaves it to the caller to trace the shadow ray where no surface lets light through.
@@ -25,20 +42,21 @@ impl<L: Lanes> Direct<L> {
 pub(super) fn direct_light<M: Mode>(
     scene: &Scene<M>,
     vertex: &Vertex<M>,
+    draw: Draw,
     u: [f32; 3],
     waves: &M::Waves,
-    limits: &PathLimits,
     tally: &mut Tally,
 ) -> Direct<M::Light> {
     let Some(sample) = scene.stage.lights.sample(vertex.surface.position, u) else { return Direct::NONE };
-    if limits.strategy == Strategy::Bsdf && !sample.alone {
+    let Draw { strategy, of, others_look } = draw;
+    if strategy == Strategy::Bsdf && !sample.alone {
         return Direct::NONE;
     }
 
     // Evaluate the surface for that direction.
     let Some(wi) = vertex.local(sample.wi) else { return Direct::NONE };
     let (value, scatter_pdf) = vertex.bsdf.eval(vertex.wo, wi, waves);
-    if value.is_black() {
+    if value.is_black() && !others_look {
         return Direct::NONE;
     }
     let arriving = scene.arriving(&sample.light, waves);
@@ -46,6 +64,7 @@ pub(super) fn direct_light<M: Mode>(
         return Direct::NONE;
     }
 
+    tally.draws += 1;
     // Look at what stands between, where it may let some light pass.
     let origin = vertex.surface.leave(sample.wi);
     let tfar = sample.distance_m * (1.0 - SHADOW_GAP);
@@ -59,13 +78,14 @@ pub(super) fn direct_light<M: Mode>(
         }
     } else {
         tally.shadow_rays += 1;
-        if sample.distance_m.is_finite() && interior.absorption_per_m != glam::Vec3::ZERO {
+        if sample.distance_m.is_finite() && interior.absorption_per_m != Vec3::ZERO {
             passed = Scene::<M>::left_over(interior, sample.distance_m, waves);
         }
     }
 
-    let alone = sample.alone || limits.strategy == Strategy::Light;
-    let weight = if alone { 1.0 } else { mis_weight(sample.pdf, scatter_pdf * chance) };
-    let light = value * arriving * passed * (weight / sample.pdf);
-    Direct { light, shadow: (!scene.lets_through()).then_some(shadow) }
+    let alone = sample.alone || strategy == Strategy::Light;
+    let pdf = sample.pdf * of as f32;
+    let weight = if alone { 1.0 } else { mis_weight(pdf, scatter_pdf * chance) };
+    let arriving = arriving * passed * (weight / pdf);
+    Direct { light: value * arriving, wi, arriving, shadow: (!scene.lets_through()).then_some(shadow) }
 }

@@ -4,11 +4,13 @@ mod direct;
 mod guide;
 mod path;
 mod photons;
+mod post;
 mod seen;
 mod share;
 mod sight;
 mod vertex;
 
+pub use direct::MOST_DRAWS_LOG2;
 pub use guide::Guide;
 pub use path::Path;
 pub use seen::seen_light;
@@ -25,8 +27,8 @@ pub enum Strategy {
     Light,
     /// Both, weighted by the power heuristic.
     Mis,
-    /// Both; and neighbouring pixels look at what each other's paths found, and matte surfaces look where photons came from:
-    /// less noise in indirect light and caustics, the same mean.
+    /// Both; and neighbouring pixels look at what each other's paths found, matte surfaces look where photons came from, and
+    /// lights are drawn several times, each where it pays: less noise, the same mean.
     #[default]
     Shared,
 }
@@ -38,12 +40,24 @@ pub struct PathLimits {
     pub strategy: Strategy,
 }
 
+/// How paths are followed. Except for the limits nothing of it changes the mean.
+pub struct Tactics {
+    pub limits: PathLimits,
+    /// The paths of a group look at each other's finds.
+    pub shares: bool,
+    /// The first surface of a path draws 2^this sources of light, the others one.
+    pub draws_log2: u32,
+    pub guide: Option<Guide>,
+}
+
 /// What was done on the way; a plain value, summed over tiles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tally {
     /// Camera and scattered rays.
     pub rays: u64,
     pub shadow_rays: u64,
+    /// Lights that were drawn to be looked at.
+    pub draws: u64,
     /// Samples whose radiance was not a number or infinite; they count as black.
     pub non_finite: u64,
     /// Samples brighter than 2^32 (4.3e9), which count as that.
@@ -56,6 +70,7 @@ impl AddAssign for Tally {
     fn add_assign(&mut self, other: Self) {
         self.rays += other.rays;
         self.shadow_rays += other.shadow_rays;
+        self.draws += other.draws;
         self.non_finite += other.non_finite;
         self.beyond_range += other.beyond_range;
         self.clamped += other.clamped;

@@ -2,10 +2,11 @@
 
 use glam::Vec3;
 
-use super::direct::{Direct, direct_light};
+use super::direct::{Direct, Draw, direct_light};
 use super::guide::{Guide, Leaf};
+use super::post::Kept;
 use super::vertex::Vertex;
-use super::{PathLimits, Strategy, Tally, mis_weight};
+use super::{PathLimits, Strategy, Tactics, Tally, mis_weight};
 use crate::bsdf::{BsdfSample, Pdf};
 use crate::embree::Ray;
 use crate::math::Sampler;
@@ -24,7 +25,8 @@ pub struct Path<M: Mode> {
     sampler: Sampler,
     pub radiance: M::Light,
     pub(super) throughput: M::Light,
-    /// Where the ray was scattered and with what density; `None` when light sampling could not have drawn it.
+    /// Where the ray was scattered and with what density for each source of light that was drawn there; `None` when light
+    /// sampling could not have drawn it.
     scattered: Option<(Vec3, f32)>,
     interior: Interior,
     /// What roulette multiplies the throughput with: radiance is compressed inside dense bodies, which is no loss, and a
@@ -40,6 +42,12 @@ pub struct Path<M: Mode> {
     pub(super) collapsed: bool,
     /// The next four numbers: for the surface and its holes.
     u_surface: [f32; 4],
+    /// The next four: for light, and for roulette.
+    u_light: [f32; 4],
+    /// At this bounce the light that the ray ran into is kept apart: others look at where it was scattered, and scatter it
+    /// in their own way.
+    pub(super) apart_at: u32,
+    pub(super) apart: M::Light,
     /// True while the path is to leave out the light that its camera ray meets: it is found otherwise ([`seen_light`]).
     ///
     /// [`seen_light`]: super::seen_light
@@ -73,6 +81,9 @@ impl<M: Mode> Path<M> {
             passed: 0,
             collapsed: false,
             u_surface: [0.0; 4],
+            u_light: [0.0; 4],
+            apart_at: u32::MAX,
+            apart: M::Light::ZERO,
             blind,
         }
     }
@@ -95,10 +106,11 @@ impl<M: Mode> Path<M> {
             if blind {
                 return Arrival::End;
             }
-            let (scattered, throughput, radiance) = (self.scattered, self.throughput, &mut self.radiance);
+            let (scattered, mut sky) = (self.scattered, M::Light::ZERO);
             scene.escape(self.ray.dir, &self.waves, |light, light_pdf| {
-                *radiance += throughput * light * hit_weight(scattered.map(|(_, pdf)| (pdf, light_pdf)), limits);
+                sky += light * hit_weight(scattered.map(|(_, pdf)| (pdf, light_pdf)), limits);
             });
+            self.run_into(sky);
             return Arrival::End;
         };
         if self.interior.absorption_per_m != Vec3::ZERO {
@@ -112,7 +124,7 @@ impl<M: Mode> Path<M> {
             if !light.is_black() {
                 let lights = &scene.stage.lights;
                 let densities = self.scattered.map(|(from, pdf)| (pdf, lights.surface_pdf(from, &surface)));
-                self.radiance += self.throughput * light * hit_weight(densities, limits);
+                self.run_into(light * hit_weight(densities, limits));
             }
         }
         if self.bounce >= limits.max_bounces {
@@ -139,10 +151,17 @@ impl<M: Mode> Path<M> {
         Arrival::Through
     }
 
+    /// Adds light that lies at the end of the ray.
+    #[inline]
+    fn run_into(&mut self, light: M::Light) {
+        let sum = if self.bounce == self.apart_at { &mut self.apart } else { &mut self.radiance };
+        *sum += self.throughput * light;
+    }
+
     /// The surface that the path is at, ready to scatter.
     #[inline]
     pub(super) fn vertex<'s>(
-        &self,
+        &mut self,
         scene: &'s Scene<M>,
         guide: Option<&'s Guide>,
         (surface, material): (Surface<'s>, &'s Material<M>),
@@ -151,39 +170,54 @@ impl<M: Mode> Path<M> {
         let interiors = [self.interior, beyond];
         let mut vertex = Vertex::new(scene, (surface, material), -self.ray.dir, interiors, &self.waves);
         vertex.consult(guide);
+        self.u_light = self.sampler.next_4d();
         vertex
     }
 
-    /// Draws light that reaches a vertex straight from a source, to be added by the caller, and sends the path on: false
-    /// where it ends.
+    /// How many sources of light the path draws at its next surface, as a power of two.
     #[inline]
-    pub(super) fn scatter(
-        &mut self,
-        scene: &Scene<M>,
-        vertex: &Vertex<M>,
-        limits: &PathLimits,
-        tally: &mut Tally,
-    ) -> (Direct<M::Light>, bool) {
-        let [u_light_x, u_light_y, u_light, u_roulette] = self.sampler.next_4d();
-        let mut direct = Direct::NONE;
-        if !vertex.bsdf.is_delta() {
-            direct = direct_light(scene, vertex, [u_light, u_light_x, u_light_y], &self.waves, limits, tally);
-            direct.light = self.throughput * direct.light;
-        }
-        let goes_on = self.send_on(vertex, u_roulette);
-        (direct, goes_on)
+    pub(super) fn draws_log2(&self, tactics: &Tactics) -> u32 {
+        if self.bounce == 0 { tactics.draws_log2 } else { 0 }
     }
 
-    /// Samples the surface; false where the path ends.
+    /// Draws light that reaches a vertex straight from a source, to be added by the caller: number `draw` of the path's
+    /// [`Path::draws_log2`].
     #[inline]
-    fn send_on(&mut self, vertex: &Vertex<M>, u_roulette: f32) -> bool {
+    pub(super) fn direct(
+        &self,
+        scene: &Scene<M>,
+        (vertex, kept): (&Vertex<M>, Kept),
+        draw: u32,
+        tactics: &Tactics,
+        tally: &mut Tally,
+    ) -> Direct<M::Light> {
+        if vertex.bsdf.is_delta() {
+            return Direct::NONE;
+        }
+        let draws_log2 = self.draws_log2(tactics);
+        let [x, y, u_light, _] =
+            if draws_log2 == 0 { self.u_light } else { self.sampler.part(draws_log2, draw).next_4d() };
+        let draw = Draw { strategy: tactics.limits.strategy, of: 1 << draws_log2, others_look: kept == Kept::Glossy };
+        let mut direct = direct_light(scene, vertex, draw, [u_light, x, y], &self.waves, tally);
+        direct.light = self.throughput * direct.light;
+        direct
+    }
+
+    /// Samples the surface; false where the path ends. What a glossy find does to light is left to those who look at it.
+    #[inline]
+    pub(super) fn send_on(&mut self, (vertex, kept): (&Vertex<M>, Kept), tactics: &Tactics) -> bool {
         let Some(sample) = self.draw(vertex) else { return false };
         let wi = vertex.frame.to_world(sample.wi);
         if wi.dot(vertex.surface.ng) * sample.wi.z <= 0.0 && !matches!(sample.pdf, Pdf::Through(_)) {
             // An interpolated normal sent the ray to the wrong side of the real surface.
             return false;
         }
-        self.throughput *= sample.weight;
+        if kept == Kept::Glossy {
+            self.importance *= sample.weight.max();
+            self.apart_at = self.bounce + 1;
+        } else {
+            self.throughput *= sample.weight;
+        }
         if sample.collapses {
             self.collapsed = true;
             M::collapse(&mut self.waves);
@@ -202,14 +236,17 @@ impl<M: Mode> Path<M> {
             }
             Pdf::Through(_) => return false,
             Pdf::Delta => self.scattered = None,
-            Pdf::SolidAngle(pdf) => self.scattered = Some((vertex.surface.position, pdf)),
+            Pdf::SolidAngle(pdf) => {
+                let draws = (1 << self.draws_log2(tactics)) as f32;
+                self.scattered = Some((vertex.surface.position, pdf / draws));
+            }
         }
         self.bounce += 1;
 
         // Play Russian roulette with what is left.
         if self.bounce > SURE_BOUNCES {
             let survival = (self.throughput.max() * self.importance * self.expected).min(0.95);
-            if u_roulette >= survival {
+            if self.u_light[3] >= survival {
                 return false;
             }
             self.throughput = self.throughput * (1.0 / survival);

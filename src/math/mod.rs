@@ -12,6 +12,11 @@ use glam::Vec3;
 pub use noise::perlin;
 pub use sampler::Sampler;
 
+/// Bytes in hexadecimal, as hashes are written.
+pub fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
 /// Lowest and highest coordinates of points; (infinity, -infinity) of none.
 pub fn extent(points: impl Iterator<Item = Vec3>) -> (Vec3, Vec3) {
     points.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)))

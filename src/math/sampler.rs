@@ -23,6 +23,15 @@ impl Sampler {
         Self { index_rev: (index & ((1 << LENGTH_LOG2) - 1)).reverse_bits(), seed, set: 0 }
     }
 
+    /// The stream of one of 2^`parts_log2` parts of this sample, for what is drawn several times at once. The parts of all
+    /// samples together are as well stratified as the samples.
+    #[inline]
+    pub fn part(&self, parts_log2: u32, part: u32) -> Self {
+        let index = self.index_rev.reverse_bits() << parts_log2 | part;
+        let seed = hash(self.seed ^ hash(!(index >> LENGTH_LOG2)));
+        Self { index_rev: (index & ((1 << LENGTH_LOG2) - 1)).reverse_bits(), seed, set: self.set }
+    }
+
     /// Four numbers in [0, 1), jointly stratified over the samples of a pixel.
     #[inline]
     pub fn next_4d(&mut self) -> [f32; 4] {
@@ -58,6 +67,18 @@ mod tests {
             }
             assert!(seen.iter().flatten().all(|&cell| cell));
         }
+    }
+
+    #[test]
+    fn parts_are_stratified_together() {
+        let mut seen = [[false; 16]; 16];
+        for (index, part) in (0..64).flat_map(|index| (0..4).map(move |part| (index, part))) {
+            let [x, y, ..] = Sampler::new(12, index, 3).part(2, part).next_4d();
+            seen[(x * 16.0) as usize][(y * 16.0) as usize] = true;
+        }
+        assert!(seen.iter().flatten().all(|&cell| cell));
+        let beyond = |index| Sampler::new(12, index, 3).part(2, 1).next_4d();
+        assert_ne!(beyond(1), beyond(1 + (1 << 14)));
     }
 
     #[test]

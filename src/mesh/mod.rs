@@ -51,7 +51,7 @@ pub struct Options {
     pub smooth_normals: bool,
     /// Folders besides the file's own that materials and images may come from.
     pub allow_path: Vec<PathBuf>,
-    /// Largest file.
+    /// Largest file, and most memory for its mesh.
     pub max_bytes: u64,
 }
 
@@ -76,7 +76,7 @@ pub fn load(path: &Path, kind: Kind, options: &Options) -> Result<Model, MeshErr
     let whole = |error: std::io::Error| Fault::new(format!("cannot be read: {error}")).locate(path);
     let bytes = bytes_of(path, options.max_bytes).map_err(|fault| fault.locate(path))?;
     let sha256 = Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect();
-    let (mesh, libraries, notes) = parse(&bytes, path, kind, options.smooth_normals)?;
+    let (mesh, libraries, notes) = parse(&bytes, path, kind, options)?;
     drop(bytes);
     let mut model = Model { mesh, materials: Vec::new(), images: Vec::new(), notes, sha256 };
     let folder = folder_of(path).map_err(whole)?;
@@ -90,34 +90,29 @@ pub fn load(path: &Path, kind: Kind, options: &Options) -> Result<Model, MeshErr
 ///
 /// # Errors
 /// Damaged data, or no triangle.
-pub fn read(bytes: &[u8], path: &Path, kind: Kind, smooth_normals: bool) -> Result<(Mesh, Vec<Note>), MeshError> {
-    parse(bytes, path, kind, smooth_normals).map(|(mesh, _, notes)| (mesh, notes))
+pub fn read(bytes: &[u8], path: &Path, kind: Kind, options: &Options) -> Result<(Mesh, Vec<Note>), MeshError> {
+    parse(bytes, path, kind, options).map(|(mesh, _, notes)| (mesh, notes))
 }
 
 /// Reads the shape alone from a file.
 ///
 /// # Errors
 /// As [`load`].
-pub fn read_file(
-    path: &Path,
-    kind: Kind,
-    smooth_normals: bool,
-    max_bytes: u64,
-) -> Result<(Mesh, Vec<Note>), MeshError> {
-    let bytes = bytes_of(path, max_bytes).map_err(|fault| fault.locate(path))?;
-    read(&bytes, path, kind, smooth_normals)
+pub fn read_file(path: &Path, kind: Kind, options: &Options) -> Result<(Mesh, Vec<Note>), MeshError> {
+    let bytes = bytes_of(path, options.max_bytes).map_err(|fault| fault.locate(path))?;
+    read(&bytes, path, kind, options)
 }
 
 type Parsed = (Mesh, Vec<obj::Library>, Vec<Note>);
 
-fn parse(bytes: &[u8], path: &Path, kind: Kind, smooth_normals: bool) -> Result<Parsed, MeshError> {
+fn parse(bytes: &[u8], path: &Path, kind: Kind, options: &Options) -> Result<Parsed, MeshError> {
     let mut notes = Notes::new(path);
     let parsed = match kind {
-        Kind::Obj => obj::parse(bytes, &mut notes),
-        Kind::Ply => ply::parse(bytes, &mut notes).map(|soup| (soup, Vec::new())),
+        Kind::Obj => obj::parse(bytes, options.max_bytes, &mut notes),
+        Kind::Ply => ply::parse(bytes, options.max_bytes, &mut notes).map(|soup| (soup, Vec::new())),
     };
     let (soup, libraries) = parsed.map_err(|fault| fault.locate(path))?;
-    let mesh = soup.finish(smooth_normals, &mut notes);
+    let mesh = soup.finish(options.smooth_normals, &mut notes);
     if mesh.triangles.is_empty() {
         let fault = Fault::new("holds no triangle");
         return Err(fault.hint("clouds of points, and curves, need a surface first (MeshLab, Blender)").locate(path));

@@ -135,7 +135,10 @@ fn parse(model: &mut Model, bytes: &[u8], folder: &Path, options: &Options, note
             b"Tr" => block.opacity = 1.0 - value(0.0, 1.0)?,
             b"Ni" => block.ior = value(1.0, 5.0)?,
             b"illum" => block.illum = value(0.0, 100.0)? as u32,
-            b"map_Kd" => block.map = image(model, line, rest, folder, options, notes)?,
+            b"map_Kd" => {
+                let user = format!("material `{}`", block.name);
+                block.map = image(model, line, rest, (folder, user), options, notes)?;
+            }
             _ => {}
         }
     }
@@ -159,7 +162,7 @@ fn image(
     model: &mut Model,
     line: usize,
     rest: &[u8],
-    folder: &Path,
+    (folder, user): (&Path, String),
     options: &Options,
     notes: &mut Notes,
 ) -> Result<Option<usize>, Fault> {
@@ -178,6 +181,6 @@ fn image(
         notes.add(line, 1, &format!("the image `{name}` is missing"), "the colour is used instead");
         return Ok(None);
     };
-    model.images.push(Image { id: name.to_owned(), uri: name.to_owned(), source: ImageSource::File(file) });
+    model.images.push(Image { id: name.to_owned(), uri: name.to_owned(), user, source: ImageSource::File(file) });
     Ok(Some(model.images.len() - 1))
 }

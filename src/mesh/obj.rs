@@ -21,8 +21,8 @@ const IRRELEVANT: [&str; 13] =
 ///
 /// # Errors
 /// What is not a number or an index, points out of range, with the line.
-pub fn parse(bytes: &[u8], notes: &mut Notes) -> Result<(Soup, Vec<Library>), Fault> {
-    let mut soup = Soup::default();
+pub fn parse(bytes: &[u8], max_bytes: u64, notes: &mut Notes) -> Result<(Soup, Vec<Library>), Fault> {
+    let mut soup = Soup::within(max_bytes);
     let mut libraries = Vec::new();
     let mut corners: Vec<[u32; WIDTH]> = Vec::new();
     // Windows editors begin UTF-8 with a mark.

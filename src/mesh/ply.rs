@@ -34,9 +34,9 @@ const MOST_CORNERS: usize = 1 << 20;
 ///
 /// # Errors
 /// A header that is none, values that are missing or not finite, indices out of range, counts that the file has no room for.
-pub fn parse(bytes: &[u8], notes: &mut Notes) -> Result<Soup, Fault> {
+pub fn parse(bytes: &[u8], max_bytes: u64, notes: &mut Notes) -> Result<Soup, Fault> {
     let (encoding, elements, mut data) = header(bytes)?;
-    let mut soup = Soup::default();
+    let mut soup = Soup::within(max_bytes);
     let mut with_normals = false;
     let mut vertices_read = false;
     for element in &elements {

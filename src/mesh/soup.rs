@@ -19,6 +19,9 @@ pub const WIDTH: usize = 3;
 /// Corners beyond which 32 bits do not number them.
 const MOST_CORNERS: usize = u32::MAX as usize - 1;
 
+/// Bytes per corner while a mesh is made: indices here, in the way from points to corners, and of the vertex it becomes.
+const CORNER_BYTES: u64 = 48;
+
 #[derive(Default)]
 pub struct Soup {
     pub points: Vec<Vec3>,
@@ -28,12 +31,19 @@ pub struct Soup {
     corners: Vec<u32>,
     /// Names of materials with the first triangle that has each.
     runs: Vec<(String, usize)>,
+    /// Memory that the mesh may take.
+    max_bytes: u64,
     /// Buffers of [`polygon`](Self::polygon).
     outline: Vec<Vec3>,
     cut: Vec<[usize; 3]>,
 }
 
 impl Soup {
+    /// Nothing yet, of what may take so much memory.
+    pub fn within(max_bytes: u64) -> Self {
+        Self { max_bytes, ..Self::default() }
+    }
+
     /// Triangles from now on have this material.
     pub fn use_material(&mut self, name: &str) {
         let from = self.triangle_count();
@@ -46,10 +56,15 @@ impl Soup {
     /// Cuts a polygon with three or more corners into triangles. Its indices must be in range.
     ///
     /// # Errors
-    /// More corners than 32 bits number.
+    /// More corners than 32 bits number or the memory holds.
     pub fn polygon(&mut self, corners: &[[u32; WIDTH]]) -> Result<(), Fault> {
-        if self.corners.len() / WIDTH + 3 * corners.len() > MOST_CORNERS {
+        let count = self.corners.len() / WIDTH + 3 * corners.len();
+        if count > MOST_CORNERS {
             return Err(Fault::new("the model has more than 2^32 corners").hint("split it into several files"));
+        }
+        if count as u64 * CORNER_BYTES > self.max_bytes {
+            let message = format!("the model takes more than {} bytes of memory", self.max_bytes);
+            return Err(Fault::new(message).hint("raise --max-memory if the file is right"));
         }
         self.outline.clear();
         self.outline.extend(corners.iter().map(|corner| self.points[corner[0] as usize]));

@@ -3,6 +3,7 @@
 use sha2::{Digest, Sha256};
 
 use crate::integrate::Tally;
+use crate::math::hex;
 use crate::scene::Window;
 
 /// Mean radiance per pixel, row by row from the upper left, linear sRGB.
@@ -51,6 +52,6 @@ impl Frame {
             let bytes: Vec<u8> = row.iter().flatten().flat_map(|value| value.to_le_bytes()).collect();
             hash.update(bytes);
         }
-        hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+        hex(&hash.finalize())
     }
 }

@@ -5,18 +5,23 @@
 
 mod accumulation;
 mod adaptive;
+mod bug;
 mod clock;
 mod doublings;
 mod edge;
 mod filter;
 mod frame;
 mod noise;
+mod pilot;
 mod sums;
 mod survey;
 mod tile;
 
+use std::ops::Range;
+
 pub use accumulation::{Accumulation, Block};
 use arrayvec::ArrayVec;
+use bug::{At, Bug, panics};
 pub use clock::{CpuClock, available_memory, peak_rss_mb};
 pub use doublings::Doublings;
 pub use filter::Filter;
@@ -30,7 +35,7 @@ pub use survey::{FAR_M, Seen, Survey};
 use thiserror::Error;
 
 use crate::embree::Ray;
-use crate::integrate::{GROUP, Guide, Path, PathLimits, Strategy, Tally, radiances};
+use crate::integrate::{GROUP, Path, PathLimits, Tactics, Tally, radiances};
 use crate::math::Sampler;
 use crate::mode::{Lanes, Mode};
 use crate::scene::{Camera, Scene};
@@ -70,12 +75,19 @@ pub trait Watch: Sync {
 
 #[derive(Debug, Error)]
 pub enum RenderError {
+    /// A panic. The sums hold whole tiles: what was rendered besides is there, and can be saved.
+    #[error("a bug in pellicle{}: {reason}; please report it with the scene", bug_place(at))]
+    Bug { at: Option<([u32; 2], u32)>, reason: String },
     #[error("cannot start {threads} render threads: {reason}")]
     Threads { threads: usize, reason: String },
     #[error(
         "a {width}x{height} picture needs {bytes} bytes of memory, but only {limit} are available; choose a smaller size or raise --max-memory"
     )]
     Memory { width: u32, height: u32, bytes: u64, limit: u64 },
+}
+
+fn bug_place(at: &Option<([u32; 2], u32)>) -> String {
+    at.map_or(String::new(), |([x, y], sample)| format!(", met at sample {sample} of pixel {x},{y}"))
 }
 
 /// Bytes per pixel at the peak, where the sums become a [`Frame`]: 76 by their types, with room for the rest.
@@ -113,7 +125,7 @@ pub fn render<M: Mode>(
 /// the render. False where the watch stopped it in the middle.
 ///
 /// # Errors
-/// Threads that the machine cannot give.
+/// Threads that the machine cannot give; a panic, which leaves `sums` as if the watch had stopped there.
 pub fn accumulate<M: Mode>(
     scene: &Scene<M>,
     camera: &Camera,
@@ -126,8 +138,9 @@ pub fn accumulate<M: Mode>(
     let camera = &camera.settled(scene);
     let clock = std::time::Instant::now();
     let cpu_clock = CpuClock::start();
-    let view = View { scene, camera, plan, guide: pool.install(|| guide(scene, camera, plan)) };
-    while !watch.stop() && sums.wants_more(plan.noise) {
+    let view = View { scene, camera, plan, tactics: pool.install(|| pilot::tactics(scene, camera, plan)) };
+    let bug = Bug::default();
+    while !watch.stop() && !bug.is_met() && sums.wants_more(plan.noise) {
         let count = if sums.spp() == 0 { 1 } else { watch.pass(sums) };
         if count == 0 {
             break;
@@ -139,11 +152,13 @@ pub fn accumulate<M: Mode>(
                 .par_iter_mut()
                 .map(|tile| {
                     let end = tile.goal - behind.min(tile.goal - first);
-                    if tile.next >= end || watch.stop() {
+                    if tile.next >= end || watch.stop() || bug.is_met() {
                         return Tally::default();
                     }
                     let samples = tile.next..end;
-                    let tally = render_tile(&view, tile, samples.clone());
+                    let Some(tally) = render_tile(&view, tile, samples.clone(), &bug) else {
+                        return Tally::default();
+                    };
                     tile.doublings.note(&tile.sums, tile.next - first);
                     watch.advanced(samples.len() as u64 * tile.sums.len() as u64);
                     tally
@@ -157,6 +172,7 @@ pub fn accumulate<M: Mode>(
     sums.render_s += clock.elapsed().as_secs_f64();
     sums.render_cpu_s += cpu_clock.seconds();
     watch.done(sums);
+    bug.into_result()?;
     Ok(!watch.stop() || !sums.wants_more(plan.noise))
 }
 
@@ -170,42 +186,65 @@ struct View<'a, M: Mode> {
     scene: &'a Scene<M>,
     camera: &'a Camera,
     plan: &'a Plan,
-    guide: Option<Guide>,
+    tactics: Tactics,
 }
 
-/// Photons are a small part of a picture's rays.
-const PIXELS_PER_PHOTON: u32 = 8;
-const MAX_PHOTONS: u32 = 1 << 16;
-
-/// Where to look for caustics. Depends on the size of the picture, never on its samples.
-fn guide<M: Mode>(scene: &Scene<M>, camera: &Camera, plan: &Plan) -> Option<Guide> {
-    let [width, height] = camera.size;
-    let photons = (width.saturating_mul(height) / PIXELS_PER_PHOTON).min(MAX_PHOTONS);
-    if plan.limits.strategy == Strategy::Shared { Guide::new(scene, photons) } else { None }
-}
-
-fn render_tile<M: Mode>(view: &View<M>, tile: &mut Tile, samples: std::ops::Range<u32>) -> Tally {
+/// `None` after a panic: the tile is as before then.
+fn render_tile<M: Mode>(view: &View<M>, tile: &mut Tile, samples: Range<u32>, bug: &Bug) -> Option<Tally> {
     let View { scene, camera, plan, .. } = view;
     let mut tally = Tally::default();
     let edges = match tile.edges.take() {
         Some(edges) => edges,
-        None => Edges::find(scene, camera, plan, tile, &mut tally),
+        None => bug.guard(|| Edges::find(scene, camera, plan, tile, &mut tally), || None)?,
     };
-    let mut lights = std::mem::take(&mut tile.lights);
+    let groups = tile.groups();
+    let (end, at) = (samples.end, At::new(None));
+    let rendered = bug.guard(
+        || render_groups(view, (tile, &edges), &groups, samples, &at),
+        || at.get().map(|(group, index)| (culprit(view, (tile, &edges), group, index), index)),
+    );
+    tile.edges = Some(edges);
+    let (sums, lights, more) = rendered?;
+    for (pixel, sum) in &sums {
+        tile.sums.add_samples(*pixel as usize, sum);
+    }
+    (tile.lights, tile.next) = (lights, end);
+    tally += more;
+    Some(tally)
+}
+
+/// What some samples add to each pixel of a tile, and what its light groups have with them.
+fn render_groups<'g, M: Mode>(
+    view: &View<M>,
+    (tile, edges): (&Tile, &Edges),
+    groups: &'g [ArrayVec<u32, GROUP>],
+    samples: Range<u32>,
+    at: &At<'g>,
+) -> (Vec<(u32, Samples)>, Vec<DVec3>, Tally) {
+    let mut tally = Tally::default();
+    let mut lights = tile.lights.clone();
     lights.resize(tile.sums.len() * M::GROUPS, DVec3::ZERO);
-    for group in tile.groups() {
+    let mut all = Vec::with_capacity(tile.sums.len());
+    for group in groups {
         let mut sums: [Samples; GROUP] = Default::default();
         for index in samples.clone() {
-            render_group(view, (tile, &edges), &group, index, &mut sums, &mut lights, &mut tally);
+            at.set(Some((group, index)));
+            render_group(view, (tile, edges), group, index, &mut sums, &mut lights, &mut tally);
         }
-        for (&member, sum) in group.iter().zip(&sums) {
-            tile.sums.add_samples(member as usize, sum);
-        }
+        all.extend(group.iter().copied().zip(sums));
     }
-    tile.lights = lights;
-    tile.edges = Some(edges);
-    tile.next = samples.end;
-    tally
+    (all, lights, tally)
+}
+
+/// The pixel of a group whose sample panics: the first that does so by itself; else one of those that do together.
+fn culprit<M: Mode>(view: &View<M>, (tile, edges): (&Tile, &Edges), group: &[u32], index: u32) -> [u32; 2] {
+    let alone = |pixel: u32| {
+        let mut lights = vec![DVec3::ZERO; tile.sums.len() * M::GROUPS];
+        let (mut sums, mut tally) = (Default::default(), Tally::default());
+        render_group(view, (tile, edges), &[pixel], index, &mut sums, &mut lights, &mut tally);
+    };
+    let culprit = group.iter().copied().find(|&pixel| panics(|| alone(pixel)));
+    tile.place(culprit.or(group.first().copied()).unwrap_or(0))
 }
 
 /// The number by which a pixel draws its samples.
@@ -234,7 +273,7 @@ fn render_group<M: Mode>(
     lights: &mut [DVec3],
     tally: &mut Tally,
 ) {
-    let View { scene, camera, plan, guide } = view;
+    let View { scene, camera, plan, tactics } = view;
     let number = |place| number(camera, place);
     // All paths of a group carry the same wavelengths: they look at each other's finds.
     let waves = match group.first() {
@@ -250,7 +289,7 @@ fn render_group<M: Mode>(
         let blind = edges.cross(x - tile.x0, y - tile.y0);
         paths.push(Path::new(ray, camera.interior, waves, sampler, blind));
     }
-    radiances(scene, guide.as_ref(), &mut paths, &plan.limits, tally);
+    radiances(scene, tactics, &mut paths, tally);
     for (&member, path) in group.iter().zip(&mut paths) {
         let [x, y] = tile.place(member);
         if edges.cross(x - tile.x0, y - tile.y0) {

@@ -224,7 +224,15 @@ impl<M: Mode> Material<M> {
 
     /// True when it may throw light from a lamp onto other surfaces as a bright pattern: mirrors and lenses.
     pub fn casts(&self) -> bool {
-        matches!(self.body, Body::Conductor { .. } | Body::Dielectric { .. } | Body::Refractor { .. })
+        match &self.body {
+            // What neighbours can share, they find often enough.
+            Body::Conductor { roughness, distribution, .. } => {
+                let microfacets = Microfacets { distribution: *distribution, alpha: roughness.value };
+                roughness.map.is_some() || !microfacets.is_broad()
+            }
+            Body::Dielectric { .. } | Body::Refractor { .. } => true,
+            Body::Black | Body::Diffuse { .. } | Body::CoatedDiffuse { .. } => false,
+        }
     }
 
     /// The shading normal, bent by the normal map where there is one.

@@ -11,6 +11,7 @@ mod groups;
 mod light;
 mod lighting;
 mod material;
+mod memory;
 mod nesting;
 mod raster;
 mod stage;
@@ -34,7 +35,8 @@ use nesting::Nesting;
 pub use raster::{Raster, Window};
 pub use stage::{Pose, Stage};
 pub use surface::{Place, Surface};
-use texture::{Texture, lookup_rgb, scalar};
+pub use texture::Texture;
+use texture::{lookup_rgb, scalar};
 use thiserror::Error;
 
 use crate::color::{Emission, IndexError};
@@ -70,8 +72,12 @@ pub struct Scene<M: Mode> {
 /// Why a scene cannot be built.
 #[derive(Debug, Error)]
 pub enum BuildError {
-    #[error("image `{uri}`: {reason}")]
-    Image { uri: String, reason: String },
+    #[error("image `{uri}` of {user}: {reason}")]
+    Image { uri: String, user: String, reason: String },
+    #[error(
+        "the scene needs about {bytes} bytes of memory, but only {limit} are available; simplify it or raise --max-memory"
+    )]
+    Memory { bytes: u64, limit: u64 },
     #[error("material `{material}`: {source}")]
     Index { material: String, source: IndexError },
     #[error("{count} materials have a `priority`; at most {} can", nesting::MOST_MEDIA)]

@@ -11,6 +11,7 @@ use super::environment::Sky;
 use super::groups::LightGroups;
 use super::light::{Emitter, Lights};
 use super::lighting;
+use super::memory;
 use super::nesting::Together;
 use super::surface::{Glow, Place, Surface};
 use super::texture::Texture;
@@ -95,33 +96,39 @@ impl Stage {
         here
     }
 
-    /// `threads` share the building; 0 = all.
+    /// `threads` share the building; 0 = all. It takes what memory it takes.
     ///
     /// # Errors
     /// An image that cannot be decoded, or Embree running out of memory.
     pub fn new(document: &Document, threads: usize) -> Result<Self, BuildError> {
-        Self::movable(document, threads, Vec::new(), LightGroups::default())
+        Self::movable(document, threads, Vec::new(), LightGroups::default(), u64::MAX)
     }
 
     /// A stage of which parts can [`pose`](Self::pose) later: `moving` tells for each of the document's placements whether
     /// it may. What may move is placed as an instance, which is slower to trace. `groups` tells lights apart, where that is
-    /// wanted.
+    /// wanted. What would take more than `max_bytes` of memory is refused before it is built.
     ///
     /// # Errors
-    /// As [`Stage::new`].
+    /// As [`Stage::new`]; or the bytes that it needs.
     pub fn movable(
         document: &Document,
         threads: usize,
         moving: Vec<bool>,
         groups: LightGroups,
+        max_bytes: u64,
     ) -> Result<Self, BuildError> {
         let start = Instant::now();
-        let decode = |image| Texture::load(image).map(Arc::new);
-        let textures = document.images.iter().map(decode).collect::<Result<Vec<_>, _>>()?;
+        let placements = document.placements();
+        let mut left = memory::check(document, &placements, max_bytes)?;
+        let mut textures = Vec::with_capacity(document.images.len());
+        for image in &document.images {
+            let texture = Texture::load(image, left)?;
+            left = left.saturating_sub(texture.bytes());
+            textures.push(Arc::new(texture));
+        }
         let textures_s = start.elapsed().as_secs_f64();
 
         let start = Instant::now();
-        let placements = document.placements();
         let mut builder = AccelBuilder::new(threads)?;
         let mut assembly = Assembly::new(Ground::New(&mut builder), &moving, &groups);
         assembly.gather(document, &placements, &textures, None)?;

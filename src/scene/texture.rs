@@ -3,7 +3,7 @@
 use std::sync::{Arc, LazyLock};
 
 use glam::{Vec2, Vec3, Vec4};
-use image::DynamicImage;
+use image::{ColorType, DynamicImage, ImageDecoder, Limits};
 
 use super::BuildError;
 use super::surface::{Surface, UV_SLOTS};
@@ -33,32 +33,55 @@ static SRGB16_TO_LINEAR: LazyLock<Vec<f32>> =
     LazyLock::new(|| (0..=u16::MAX).map(|code| view::srgb_decode(f32::from(code) / 65535.0)).collect());
 
 impl Texture {
-    /// Reads and decodes an image file (PNG, JPEG, TGA, BMP, TIFF, HDR, EXR).
+    /// Reads and decodes an image file (PNG, JPEG, TGA, BMP, TIFF, HDR, EXR) that takes no more than `max_bytes` on the way:
+    /// what it would take is known from its header.
     ///
     /// # Errors
-    /// The file cannot be read or is not a picture; the message names its URI.
-    pub fn load(image: &Image) -> Result<Self, BuildError> {
-        let broken = |reason: String| BuildError::Image { uri: image.uri.clone(), reason };
+    /// The file cannot be read, is not a picture, or is too large; the message names its URI and who refers to it.
+    pub fn load(image: &Image, max_bytes: u64) -> Result<Self, BuildError> {
+        let broken = |reason: String| BuildError::Image { uri: image.uri.clone(), user: image.user.clone(), reason };
+        let read;
         let bytes = match &image.source {
-            ImageSource::File(path) => std::fs::read(path).map_err(|e| broken(e.to_string()))?,
-            ImageSource::Bytes(bytes) => bytes.clone(),
+            ImageSource::File(path) => {
+                let size = std::fs::metadata(path).map_err(|e| broken(e.to_string()))?.len();
+                check_size(size, max_bytes).map_err(broken)?;
+                read = std::fs::read(path).map_err(|e| broken(e.to_string()))?;
+                &read
+            }
+            ImageSource::Bytes(bytes) => bytes,
             ImageSource::Missing => return Ok(Self::magenta()),
         };
         let is_exr = bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]);
-        if is_exr {
-            return Self::from_exr(&bytes).map_err(broken);
+        if is_exr { Self::from_exr(bytes, max_bytes) } else { Self::decode(bytes, &image.uri, max_bytes) }
+            .map_err(broken)
+    }
+
+    /// Anything but EXR.
+    fn decode(bytes: &[u8], uri: &str, max_bytes: u64) -> Result<Self, String> {
+        let reader = image::ImageReader::new(std::io::Cursor::new(bytes)).with_guessed_format();
+        let mut reader = reader.map_err(|error| error.to_string())?;
+        // TGA has no signature: go by the name.
+        if let (None, Ok(format)) = (reader.format(), image::ImageFormat::from_path(uri)) {
+            reader.set_format(format);
         }
-        let decoded = image::ImageReader::new(std::io::Cursor::new(&bytes))
-            .with_guessed_format()
-            .map_err(|e| broken(e.to_string()))
-            // TGA has no signature: go by the name.
-            .and_then(|mut reader| {
-                if let (None, Ok(format)) = (reader.format(), image::ImageFormat::from_path(&image.uri)) {
-                    reader.set_format(format);
-                }
-                reader.decode().map_err(|e| broken(e.to_string()))
-            })?;
-        Ok(Self::from_image(&decoded))
+        let mut limits = Limits::no_limits();
+        limits.max_alloc = Some(max_bytes);
+        reader.limits(limits);
+        let decoder = reader.into_decoder().map_err(|error| error.to_string())?;
+        let (width, height) = decoder.dimensions();
+        if width == 0 || height == 0 {
+            return Err("it has no pixels".to_owned());
+        }
+        let texel_bytes = match decoder.color_type() {
+            ColorType::Rgb32F | ColorType::Rgba32F => 16,
+            ColorType::L16 | ColorType::La16 | ColorType::Rgb16 | ColorType::Rgba16 => 8,
+            _ => 4,
+        };
+        // As it is decoded, with four channels, and as it stays.
+        let texels = u64::from(width) * u64::from(height) * texel_bytes;
+        check_size(decoder.total_bytes().saturating_add(2 * texels), max_bytes)?;
+        let image = DynamicImage::from_decoder(decoder).map_err(|error| error.to_string())?;
+        Ok(Self::from_image(&image))
     }
 
     fn from_image(image: &DynamicImage) -> Self {
@@ -77,7 +100,15 @@ impl Texture {
     }
 
     /// The first layer with red, green and blue, or of one channel alone (`Y`, or any): a thickness is often written so.
-    fn from_exr(bytes: &[u8]) -> Result<Self, String> {
+    fn from_exr(bytes: &[u8], max_bytes: u64) -> Result<Self, String> {
+        let meta = exr::meta::MetaData::read_from_buffered(std::io::Cursor::new(bytes), false);
+        let needed = meta.map_err(|error| error.to_string())?.headers.iter().fold(0u64, |sum, header| {
+            let pixels = header.layer_size.area() as u64;
+            let channels = header.channels.list.iter().map(|channel| channel.sample_type.bytes_per_sample() as u64);
+            // As it is read, and as it stays.
+            sum.saturating_add(pixels.saturating_mul(channels.sum::<u64>() + 16))
+        });
+        check_size(needed, max_bytes)?;
         use exr::prelude::{FlatSamples, ReadChannels, ReadLayers};
         let picture = exr::prelude::read()
             .no_deep_data()
@@ -92,6 +123,9 @@ impl Texture {
             let channels = &layer.channel_data.list;
             let named = |name: &str| channels.iter().find(|channel| channel.name.eq(name)).map(|c| &c.sample_data);
             let (columns, rows) = (layer.size.width(), layer.size.height());
+            if columns == 0 || rows == 0 {
+                continue;
+            }
             let rgb: Option<Vec<&FlatSamples>> = colours.iter().map(|name| named(name)).collect();
             let grey = named("Y").or_else(|| match channels.as_slice() {
                 [only] => Some(&only.sample_data),
@@ -117,6 +151,16 @@ impl Texture {
     /// One glaring texel in place of a missing image.
     fn magenta() -> Self {
         Self { width: 1, height: 1, texels: Texels::Float(vec![[1.0, 0.0, 1.0, 1.0]]) }
+    }
+
+    /// What it keeps in memory.
+    pub fn bytes(&self) -> u64 {
+        let texel_bytes = match self.texels {
+            Texels::Byte(_) => 4,
+            Texels::Word(_) => 8,
+            Texels::Float(_) => 16,
+        };
+        (self.width * self.height) as u64 * texel_bytes
     }
 
     pub fn width(&self) -> usize {
@@ -169,6 +213,14 @@ impl Texture {
         let bottom = at(0.0, 1.0).lerp(at(1.0, 1.0), fx);
         top.lerp(bottom, fy)
     }
+}
+
+/// Refuses what would not fit: a failed allocation could only abort the program.
+fn check_size(bytes: u64, max_bytes: u64) -> Result<(), String> {
+    if bytes <= max_bytes {
+        return Ok(());
+    }
+    Err(format!("it takes {bytes} bytes, but only {max_bytes} are available; make it smaller or raise --max-memory"))
 }
 
 /// The texel number for a coordinate outside or inside 0..count; `None` in a border.

@@ -69,7 +69,7 @@ pub fn light(document: &mut Document, environment: &Environment) {
         Environment::Image(path) => (path.display().to_string(), ImageSource::File(path.clone())),
     };
     document.channels.retain(|channel| !matches!(channel.drives, Quantity::Environment(_)));
-    document.images.push(Image { id: name.clone(), uri: name, source });
+    document.images.push(Image { id: name.clone(), uri: name, user: "--environment".to_owned(), source });
     document.environment = Some(document::Environment {
         image: Some(document.images.len() - 1),
         radiance: Vec3::ONE,

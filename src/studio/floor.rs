@@ -29,7 +29,7 @@ pub fn lay(document: &mut Document, [near, far]: [Vec3; 2]) {
             near.lerp(far, sky::smooth(GRADE_M[0], GRADE_M[1], radius_m))
         };
         let (id, source) = ("floor.hdr".to_owned(), sky::image([TEXELS; 2], grade));
-        document.images.push(Image { id: id.clone(), uri: id, source });
+        document.images.push(Image { id: id.clone(), uri: id, user: "the floor".to_owned(), source });
         Map {
             image: document.images.len() - 1,
             texcoord: String::new(),

@@ -10,7 +10,11 @@ pub struct Rendering {
 
 impl Rendering {
     pub fn start(file: &str, size: &str) -> Self {
-        let arguments = ["render", "room.dae", "-o", file, "--spp", "1000000", "--size", size, "--progress", "none"];
+        Self::start_scene("room.dae", file, size)
+    }
+
+    pub fn start_scene(scene: &str, file: &str, size: &str) -> Self {
+        let arguments = ["render", scene, "-o", file, "--spp", "1000000", "--size", size, "--progress", "none"];
         let mut child = command(&arguments).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
         let mut stderr = BufReader::new(child.stderr.take().unwrap());
         // Rendering begins right after the line that tells how many samples there will be.

@@ -12,6 +12,7 @@ use crate::cli::render::RenderArgs;
 use crate::cli::{print, say};
 use crate::document::Document;
 use crate::error::Error;
+use crate::math::hex;
 use crate::output::read_exr;
 use crate::study::convergence::{Cache, Clock, Contender, Contest, How, Mean, Reference, Report, SeriesFile, Setting};
 use crate::study::metrics::Exposure;
@@ -115,7 +116,7 @@ pub fn run(args: &ConvergenceArgs) -> Result<(), Error> {
         say(&format!("warning: {warning}"));
     }
     let size = args.size.map_or([None; 2], |size| [size.width, size.height]);
-    let mut plan = common.picture.plan(&document.render);
+    let mut plan = common.picture.plan(&document.render, common.scene.memory.most());
     plan.raster.size = size;
     let (stage, camera, notes) = still::stage(&document, &plan)?;
     for note in &notes {
@@ -220,7 +221,7 @@ impl ConvergenceArgs {
                 let problem = format!("--config {name}: options about the scene and the camera hold for all");
                 return Err(Error::Usage(format!("{problem}; give them in --all")));
             }
-            let plan = args.picture.plan(&setting.document.render);
+            let plan = args.picture.plan(&setting.document.render, args.scene.memory.most());
             let picture = &args.picture;
             let transport = picture.transport(setting.document, &plan, &setting.stage, &setting.camera, &args.talk)?;
             let mean = Some(Mean::of(&plan, transport));
@@ -282,7 +283,7 @@ impl ConvergenceArgs {
         let shared = || Some(home("XDG_CACHE_HOME").or_else(|| Some(home("HOME")?.join(".cache")))?.join("pellicle"));
         let folder = self.cache.clone().or_else(shared)?;
         let program = std::fs::read(std::env::current_exe().ok()?).ok()?;
-        let program: String = Sha256::digest(program).iter().map(|byte| format!("{byte:02x}")).collect();
+        let program = hex(&Sha256::digest(program));
         Some(Cache { folder, key: format!("{} {} {program}", document.sha256, self.all) })
     }
 }

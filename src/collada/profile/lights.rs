@@ -17,6 +17,8 @@ pub struct LightProfile {
     pub spectrum: Option<Emission>,
     /// Size of a point or spot light, metres.
     pub radius_m: Option<f32>,
+    /// Full angle of the disc in the sky that directional light comes from.
+    pub angle_deg: Option<f32>,
 }
 
 pub struct Area {
@@ -42,6 +44,7 @@ pub fn read(technique: Element) -> Result<LightProfile, Fault> {
         let mut strict = Strict::new(element);
         profile.spectrum = spectrum::read(&mut strict, "kind")?;
         profile.radius_m = strict.number("radius_m", Bounds::AtLeast(0.0))?;
+        profile.angle_deg = strict.number("angle_deg", Bounds::Within(0.0, 180.0))?;
         strict.finish(&[])?;
     }
     Ok(profile)

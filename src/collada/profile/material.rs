@@ -6,7 +6,9 @@ use crate::collada::error::Fault;
 use crate::collada::loader::Loader;
 use crate::collada::xml::Element;
 use crate::color::{Index, Kind};
-use crate::document::{Base, Distribution, Encoding, Film, Material, Microfacets, Scalar, SurfaceEmission, Texture};
+use crate::document::{
+    Base, Distribution, Encoding, Film, Map, Material, Microfacets, Scalar, SurfaceEmission, Texture,
+};
 
 use super::film;
 use super::index::{self, named};
@@ -77,7 +79,8 @@ fn diffuse<'a>(loader: &mut Loader<'a>, element: Element<'a>, user: &str) -> Res
 fn conductor<'a>(loader: &mut Loader<'a>, element: Element<'a>, user: &str) -> Result<Base, Fault> {
     let mut strict = Strict::new(element);
     let index = index::conductor(&mut strict)?;
-    let microfacets = microfacets(loader, &mut strict, user)?;
+    let map = maps::base_map(loader, element, "roughness", Encoding::Linear, user)?;
+    let microfacets = microfacets(&mut strict, map)?;
     strict.finish(&SURFACE_CHILDREN)?;
     Ok(Base::Conductor { index, microfacets })
 }
@@ -88,7 +91,8 @@ fn dielectric<'a>(loader: &mut Loader<'a>, element: Element<'a>, user: &str) -> 
     let glass = named(&mut strict, "glass", Some(Kind::Glass))?;
     strict.not_both("glass", "ior")?;
     let index = glass.unwrap_or(Index::Constant { n: ior.unwrap_or(1.5), k: 0.0 });
-    let microfacets = microfacets(loader, &mut strict, user)?;
+    let map = maps::base_map(loader, element, "roughness", Encoding::Linear, user)?;
+    let microfacets = microfacets(&mut strict, map)?;
     let absorption_per_m = strict.rgb("absorption_per_m", Bounds::AtLeast(0.0))?.unwrap_or(Vec3::ZERO);
     let priority = strict.whole("priority", 0, u32::from(u8::MAX))?.map(|priority| priority as u8);
     strict.finish(&SURFACE_CHILDREN)?;
@@ -103,17 +107,17 @@ fn preset<'a>(loader: &mut Loader<'a>, element: Element<'a>, user: &str, films: 
     *films = film::of_preset(loader, &mut strict, named, user)?;
     let mut base = named.base();
     if let Base::Conductor { microfacets: own, .. } | Base::Dielectric { microfacets: own, .. } = &mut base {
-        *own = microfacets(loader, &mut strict, user)?;
+        // A map in a preset is that of its film.
+        *own = microfacets(&mut strict, None)?;
     }
     let children: Vec<&str> = film::VARYING.into_iter().chain(["normal_map", "opacity"]).collect();
     strict.finish(&children)?;
     Ok(base)
 }
 
-fn microfacets<'a>(loader: &mut Loader<'a>, strict: &mut Strict<'a>, user: &str) -> Result<Microfacets, Fault> {
+fn microfacets(strict: &mut Strict, map: Option<Map>) -> Result<Microfacets, Fault> {
     let value = strict.number("roughness", Bounds::Within(0.0, 1.0))?.unwrap_or(0.0);
     let words = [("ggx", Distribution::Ggx), ("beckmann", Distribution::Beckmann)];
     let distribution = strict.choice("distribution", &words)?.unwrap_or_default();
-    let map = maps::base_map(loader, strict.element, "roughness", Encoding::Linear, user)?;
     Ok(Microfacets { distribution, roughness: Scalar::mapped(value, map) })
 }

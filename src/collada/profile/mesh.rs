@@ -47,10 +47,14 @@ pub fn read<'a>(loader: &mut Loader<'a>, technique: Element<'a>) -> Result<Mesh,
         Ok(None) => return Err(refused(format!("mesh `{file}` is missing"), beside_scene(loader.package, file))),
         Err((reason, hint)) => return Err(refused(format!("mesh `{file}` {reason}"), hint)),
     };
-    let options = loader.options;
+    let options = mesh::Options {
+        smooth_normals: loader.options.smooth_normals,
+        allow_path: Vec::new(),
+        max_bytes: loader.options.max_bytes,
+    };
     let read = match &source {
-        ImageSource::Bytes(bytes) => mesh::read(bytes, Path::new(file), kind, options.smooth_normals),
-        ImageSource::File(path) => mesh::read_file(path, kind, options.smooth_normals, options.max_bytes),
+        ImageSource::Bytes(bytes) => mesh::read(bytes, Path::new(file), kind, &options),
+        ImageSource::File(path) => mesh::read_file(path, kind, &options),
         ImageSource::Missing => return Err(refused(format!("mesh `{file}` is missing"), None)),
     };
     let (mut mesh, notes) = read.map_err(|error| {

@@ -65,6 +65,7 @@ pub fn render<'a>(loader: &Loader<'a>, technique: Element<'a>) -> Result<RenderH
     let hints = RenderHints {
         width: strict.whole("width", 1, 65_535)?,
         height: strict.whole("height", 1, 65_535)?,
+        pixel_aspect: strict.number("pixel_aspect", Bounds::Within(0.01, 100.0))?,
         spp: strict.whole("spp", 1, u32::MAX)?,
         seed: strict.whole("seed", 0, u32::MAX)?,
         max_bounces: strict.whole("max_bounces", 0, u32::MAX)?,

@@ -11,6 +11,7 @@ use crate::batch::aov::VARIANCE;
 use crate::batch::still::StillPlan;
 use crate::error::Error;
 use crate::film::Rung;
+use crate::math::hex;
 use crate::output::{HeaderValue, Layer, LayerKind, Picture, read_exr, write_exr};
 use crate::render::{Filter, Plan};
 use crate::study::metrics::{Exposure, Image, Spread, SquaredErrors, delta_e_map, flip, squared_errors};
@@ -190,8 +191,7 @@ fn noise_of(image: &Image) -> SquaredErrors {
 impl Cache {
     fn path(&self, setting: &Setting, mean: &Mean, spp: u32, exposure: Option<Exposure>) -> PathBuf {
         let text = format!("{} {:?} {mean:?} {spp} {exposure:?}", self.key, setting.camera.size);
-        let digest = Sha256::digest(text.as_bytes());
-        let name: String = digest.iter().take(16).map(|byte| format!("{byte:02x}")).collect();
+        let name = hex(&Sha256::digest(text.as_bytes())[..16]);
         self.folder.join(format!("{name}.exr"))
     }
 }
