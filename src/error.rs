@@ -6,6 +6,7 @@ use thiserror::Error;
 
 use crate::collada::SceneError;
 use crate::document::PoseError;
+use crate::mesh::MeshError;
 use crate::output::OutputError;
 use crate::render::RenderError;
 use crate::scene::BuildError;
@@ -14,6 +15,8 @@ use crate::scene::BuildError;
 pub enum Error {
     #[error(transparent)]
     Scene(#[from] SceneError),
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
     #[error("{scene}: {source}")]
     Build { scene: String, source: BuildError },
     #[error(transparent)]
@@ -54,7 +57,7 @@ impl Error {
     /// something to go on from, 128 + n stopped by signal n.
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Scene(_) | Self::Build { .. } | Self::Pose(_) | Self::Render(_) => 1,
+            Self::Scene(_) | Self::Mesh(_) | Self::Build { .. } | Self::Pose(_) | Self::Render(_) => 1,
             Self::Output(OutputError::Damaged { .. }) | Self::Frames { .. } | Self::Beyond(_) => 1,
             Self::Usage(_) => 2,
             Self::Output(_) => 3,

@@ -25,7 +25,11 @@ pub mod integrate;
 
 pub mod render;
 
+pub mod mesh;
+
 pub mod collada;
+
+pub mod studio;
 
 pub mod output;
 

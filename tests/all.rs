@@ -20,6 +20,7 @@ mod film_command; // `pellicle film` against the same tables; errors that help; 
 mod golden; // shipped scenes against stored pictures
 mod house; // the order of the rooms, where unsafe may be, files that stay readable
 mod layers; // layers beside the picture, mattes, the denoiser, what other tools make of our files
+mod models; // OBJ and PLY: all their forms, and what hostile ones are told
 mod nesting; // bodies in, beside and across each other
 mod output; // files are whole or absent
 mod presets; // named surfaces and the colours that their sources tell of

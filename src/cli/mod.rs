@@ -5,10 +5,12 @@ mod batch_progress;
 mod chart;
 mod check;
 mod compare;
+mod completions;
 mod denoise_args;
 mod encode;
 mod file_args;
 mod film;
+mod man;
 mod memory_args;
 mod merge;
 mod progress;
@@ -33,7 +35,13 @@ use crate::error::Error;
 
 /// A path tracer for iridescence: light interfering in thin films.
 #[derive(Parser)]
-#[command(version = VERSION.as_str(), propagate_version = true, max_term_width = 100)]
+#[command(version, long_version = LONG_VERSION.as_str(), propagate_version = true, max_term_width = 100)]
+#[command(after_help = "Examples:
+  pellicle render scenes/titanium.dae -o titanium.png
+  pellicle render model.obj --material \"conductor Au; film 550nm n=1.33\" --environment studio -o gold.png
+  pellicle turntable scenes/titanium.dae -o frames/f.####.png --frames 120 --video titanium.mp4
+
+`pellicle COMMAND --help` explains a command, with examples; `pellicle man | man -l -` is all of it to read.")]
 pub struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -50,6 +58,8 @@ enum Command {
     Encode(encode::EncodeArgs),
     Compare(compare::CompareArgs),
     Chart(Box<chart::ChartArgs>),
+    Completions(completions::CompletionsArgs),
+    Man(man::ManArgs),
 }
 
 /// Understands a command line, the program's name first.
@@ -73,6 +83,8 @@ pub fn main() -> ExitCode {
         Command::Encode(args) => encode::run(&args),
         Command::Chart(args) => chart::run(&args),
         Command::Compare(args) => compare::run(&args),
+        Command::Completions(args) => completions::run(&args),
+        Command::Man(args) => man::run(&args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
@@ -94,20 +106,29 @@ fn print(text: &str) -> Result<(), Error> {
     Ok(())
 }
 
-static VERSION: LazyLock<String> = LazyLock::new(|| {
-    let mut features = Vec::new();
-    #[cfg(target_arch = "x86_64")]
-    {
-        for (name, present) in [
-            ("avx512f", std::arch::is_x86_feature_detected!("avx512f")),
-            ("avx2", std::arch::is_x86_feature_detected!("avx2")),
-            ("fma", std::arch::is_x86_feature_detected!("fma")),
-            ("sse4.2", std::arch::is_x86_feature_detected!("sse4.2")),
-        ] {
-            if present {
-                features.push(name);
-            }
-        }
+/// The instruction sets that matter here.
+macro_rules! instruction_sets {
+    ($has:ident) => {
+        [("avx512f", $has!("avx512f")), ("avx2", $has!("avx2")), ("fma", $has!("fma")), ("sse4.2", $has!("sse4.2"))]
+    };
+}
+
+/// Embree picks its own instructions when it starts; the program has those that it was compiled for.
+static LONG_VERSION: LazyLock<String> = LazyLock::new(|| {
+    macro_rules! compiled {
+        ($name:tt) => {
+            cfg!(target_feature = $name)
+        };
     }
-    format!("{} (Embree {}; CPU: {})", env!("CARGO_PKG_VERSION"), embree::version(), features.join(" "))
+    let names = |sets: [(&'static str, bool); 4]| {
+        let present: Vec<&str> = sets.into_iter().filter(|set| set.1).map(|set| set.0).collect();
+        if present.is_empty() { "nothing beyond the basics".to_owned() } else { present.join(" ") }
+    };
+    #[cfg(target_arch = "x86_64")]
+    let cpu = names(instruction_sets!(is_x86_feature_detected));
+    #[cfg(not(target_arch = "x86_64"))]
+    let cpu = std::env::consts::ARCH.to_owned();
+    let (version, embree) = (env!("CARGO_PKG_VERSION"), embree::version());
+    let compiled = names(instruction_sets!(compiled));
+    format!("{version}\nEmbree {embree}\nCPU: {cpu}\ncompiled for: {compiled}")
 });

@@ -39,6 +39,7 @@ use crate::scene::{Camera, FilmOptions, Stage};
 #[derive(Args)]
 #[command(after_help = "Examples:
   pellicle render scenes/bubbles.dae -o bubbles.png
+  pellicle render model.obj -o gold.png --material \"conductor Au; film 550nm n=1.33\" --environment studio
   pellicle render scene.dae -o still.exr --size 3840x2160 --spp 1024
   pellicle render scene.dae -o quick.png --spp 8 --exposure 1
   pellicle render scene.dae -o still.exr --noise 0.01 --checkpoint 5m --preview still.png")]

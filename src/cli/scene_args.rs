@@ -8,13 +8,22 @@ use super::memory_args::MemoryArgs;
 use crate::collada::{self, FalloffRule, LoadOptions, MissingTexture, UpAxis, Warning};
 use crate::document::Document;
 use crate::error::Error;
+use crate::mesh::Kind;
 use crate::scene::Framing;
+use crate::studio::{self, Environment};
 
 #[derive(Args, PartialEq)]
 pub struct SceneArgs {
-    /// The scene: COLLADA .dae or .zae
+    /// The scene: COLLADA .dae or .zae; or a bare model, OBJ or PLY, which gets a floor, a camera and light
     #[arg(value_name = "SCENE")]
     pub scene: PathBuf,
+    /// Another surface for everything that does not shine, like "conductor Au; film 550nm n=1.33"; NAME=... for the material
+    /// NAME alone (repeatable)
+    #[arg(long, value_name = "[NAME=]SURFACE", help_heading = "Scene")]
+    pub material: Vec<String>,
+    /// Light: studio, tent, sky, or a lat-long image, instead of the scene's own environment; bare models have the studio
+    #[arg(long, value_name = "NAME|FILE", value_parser = Environment::parse, help_heading = "Scene")]
+    pub environment: Option<Environment>,
     /// Also read images from this folder (repeatable); by default only from the scene's own
     #[arg(long, value_name = "DIR", help_heading = "Scene")]
     pub allow_path: Vec<PathBuf>,
@@ -86,16 +95,36 @@ impl From<FramingArg> for Framing {
 
 impl SceneArgs {
     pub fn load(&self) -> Result<(Document, Vec<Warning>), Error> {
-        Ok(collada::load(&self.scene, &self.options())?)
+        let options = self.options();
+        let model = Kind::of(&self.scene);
+        let (mut document, warnings) = match model {
+            Some(kind) => studio::load(&self.scene, kind, &options, !self.material.is_empty())?,
+            None => collada::load(&self.scene, &options)?,
+        };
+        for surface in &self.material {
+            collada::dress(&mut document, surface, &options)?;
+        }
+        match (model, &self.environment) {
+            (Some(_), environment) => {
+                studio::set_up(&mut document, environment.as_ref().unwrap_or(&Environment::Studio));
+            }
+            (None, Some(environment)) => studio::light(&mut document, environment),
+            (None, None) => {}
+        }
+        Ok((document, warnings))
     }
 
     /// How the file is read, as far as the pictures depend on it: not where images may lie, nor how much fits.
     pub fn reading(&self) -> String {
         let max_bytes = LoadOptions::default().max_bytes;
-        format!("{:?}", LoadOptions { allow_path: Vec::new(), max_bytes, ..self.options() })
+        let options = LoadOptions { allow_path: Vec::new(), max_bytes, ..self.options() };
+        match (self.material.as_slice(), &self.environment) {
+            ([], None) => format!("{options:?}"),
+            (material, environment) => format!("{options:?} {material:?} {environment:?}"),
+        }
     }
 
-    pub fn options(&self) -> LoadOptions {
+    fn options(&self) -> LoadOptions {
         LoadOptions {
             allow_path: self.allow_path.clone(),
             lenient: self.lenient,

@@ -272,10 +272,10 @@ impl<'a> Work<'a> {
     fn choices(&self, motion_words: &str) -> String {
         let mut still = self.still.clone();
         (still.render.threads, still.max_memory) = (0, 0);
-        let options = self.scene.reading();
+        let reading = self.scene.reading();
         let (budget, lock, shutter) = (self.args.budget(), self.args.seed_lock, self.args.shutter);
         let mode = self.picture.mode_words(&self.document.render);
-        format!("{still:?} {options} {mode} {budget:?} {lock} {shutter:?} {motion_words}")
+        format!("{still:?} {reading} {mode} {budget:?} {lock} {shutter:?} {motion_words}")
     }
 }
 

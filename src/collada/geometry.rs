@@ -1,4 +1,4 @@
-//! `<geometry>`: a mesh, or the CGL sphere.
+//! `<geometry>`: a mesh, here or in a model file, or the CGL sphere.
 
 use crate::document::{Geometry, Shape};
 
@@ -6,6 +6,7 @@ use super::error::{Fault, line_at};
 use super::loader::{Loader, technique};
 use super::mesh;
 use super::numbers;
+use super::profile;
 use super::xml::Element;
 
 /// The geometry's index in the document; `None` when it has nothing that could be rendered.
@@ -36,6 +37,9 @@ pub fn load<'a>(loader: &mut Loader<'a>, geometry: Element<'a>) -> Result<Option
 
 fn read<'a>(loader: &mut Loader<'a>, geometry: Element<'a>) -> Result<Option<Shape>, Fault> {
     let id = geometry.attribute("id").unwrap_or_default();
+    if let Some(technique) = profile::of(loader, geometry) {
+        return profile::mesh::read(loader, technique).map(|mesh| Some(Shape::Mesh(mesh)));
+    }
     if let Some(mesh) = geometry.child("mesh") {
         let mesh = mesh::read(loader, mesh)?;
         loader.take(geometry, mesh.bytes())?;

@@ -1,8 +1,9 @@
 //! Image references: URIs to files inside the allowed folders, or members of the archive.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use crate::document::{Image, ImageSource};
+use crate::mesh::{self, Refusal};
 use crate::scene::Texture;
 
 use super::MissingTexture;
@@ -39,20 +40,11 @@ pub fn from_attribute<'a>(
         .map_err(|(message, hint)| Fault { hint, ..element.fault_at_value("image", message) })
 }
 
-type Refusal = (String, Option<String>);
-
 fn resolve<'a>(loader: &mut Loader<'a>, place: Element<'a>, id: &str, uri: &str, user: &str) -> Result<usize, Refusal> {
     if let Some(&index) = loader.images.get(uri) {
         return Ok(index);
     }
-    let path = uri_to_path(uri).map_err(|reason| (format!("image `{uri}` of {user} {reason}"), None))?;
-    let found = match loader.package {
-        Package::Archive(archive) => {
-            let member = archive.relative(&path);
-            member.map(|member| member.map(ImageSource::Bytes)).map_err(|reason| (reason, None))
-        }
-        Package::Folder(folder) => find_file(folder, &loader.options.allow_path, Path::new(&path)),
-    };
+    let found = locate(loader, uri);
     let source = match found {
         Err((reason, hint)) => return Err((format!("image `{uri}` of {user} {reason}"), hint)),
         Ok(Some(source)) => source,
@@ -62,7 +54,7 @@ fn resolve<'a>(loader: &mut Loader<'a>, place: Element<'a>, id: &str, uri: &str,
             ImageSource::Missing
         }
         Ok(None) => {
-            let beside = beside_scene(loader.package, &path);
+            let beside = beside_scene(loader.package, uri);
             let hint = beside.unwrap_or("--missing-texture=magenta renders without it".to_owned());
             return Err((format!("image `{uri}` of {user} is missing"), Some(hint)));
         }
@@ -81,24 +73,28 @@ fn resolve<'a>(loader: &mut Loader<'a>, place: Element<'a>, id: &str, uri: &str,
     Ok(index)
 }
 
-/// `Ok(None)`: no such file. Symlinks are resolved before the folder is checked.
-fn find_file(folder: &Path, allowed: &[PathBuf], path: &Path) -> Result<Option<ImageSource>, Refusal> {
-    let Ok(file) = folder.join(path).canonicalize() else { return Ok(None) };
-    let inside = file.starts_with(folder)
-        || allowed.iter().filter_map(|allowed| allowed.canonicalize().ok()).any(|allowed| file.starts_with(allowed));
-    if !inside {
-        let hint = "--allow-path with the image's folder permits it".to_owned();
-        return Err(("lies outside the scene's folder".to_owned(), Some(hint)));
+/// What a URI names: a file, or a member of the archive; `Ok(None)` where there is no such thing.
+///
+/// # Errors
+/// It lies where the scene may not look, or is no file; the reason follows on its name.
+pub fn locate(loader: &Loader, uri: &str) -> Result<Option<ImageSource>, Refusal> {
+    let path = uri_to_path(uri).map_err(|reason| (reason, None))?;
+    match loader.package {
+        Package::Archive(archive) => {
+            let member = archive.relative(&path);
+            member.map(|member| member.map(ImageSource::Bytes)).map_err(|reason| (reason, None))
+        }
+        Package::Folder(folder) => {
+            let file = mesh::find(folder, &loader.options.allow_path, Path::new(&path))?;
+            Ok(file.map(ImageSource::File))
+        }
     }
-    if !file.is_file() {
-        return Err(("is not a file".to_owned(), None));
-    }
-    Ok(Some(ImageSource::File(file)))
 }
 
 /// A file of the same name in the scene's own folder is most likely the one that was meant.
-fn beside_scene(package: &Package, path: &str) -> Option<String> {
+pub fn beside_scene(package: &Package, uri: &str) -> Option<String> {
     let Package::Folder(folder) = package else { return None };
+    let path = uri_to_path(uri).ok()?;
     let name = path.rsplit('/').next().filter(|name| *name != path)?;
     folder.join(name).is_file().then(|| format!("did you mean `{name}` beside the scene?"))
 }

@@ -5,13 +5,13 @@ use std::collections::HashMap;
 use glam::{Vec2, Vec3};
 
 use crate::document::{Group, Mesh, UvSet};
+use crate::mesh::normals;
+use crate::mesh::vertices::unify;
 
 use super::error::Fault;
 use super::loader::Loader;
-use super::normals;
 use super::primitives::{self, LINES, SURFACES, Stream};
 use super::sources::{Accessor, Arrays, whole_number};
-use super::vertices::unify;
 use super::xml::Element;
 
 /// Texture coordinate sets of one mesh. Every corner has an index for each: their number multiplies what a mesh takes.

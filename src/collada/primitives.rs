@@ -2,10 +2,11 @@
 
 use glam::Vec3;
 
+use crate::mesh::polygons;
+
 use super::error::Fault;
 use super::loader::Loader;
 use super::numbers;
-use super::polygons;
 use super::sources::check_count;
 use super::xml::Element;
 

@@ -40,10 +40,11 @@ fn owner(technique: Element) -> Option<Element> {
 
 /// Our technique in an element that the scene does not use is checked all the same; anywhere else it is misplaced.
 fn check_unread<'a>(loader: &mut Loader<'a>, element: Element<'a>, owner: Option<Element<'a>>) -> Result<(), Fault> {
-    let places = ["effect", "light", "camera", "visual_scene", "scene"];
+    let places = ["effect", "geometry", "light", "camera", "visual_scene", "scene"];
     let Some(owner) = owner.filter(|owner| places.contains(&owner.name())) else {
         let fault = element.fault(format!("data of profile `{PROFILE}` is not read here"));
-        return Err(fault.hint("it belongs in the <extra> of <effect>, <light>, <camera>, <visual_scene> or <scene>"));
+        return Err(fault
+            .hint("it belongs in the <extra> of <effect>, <geometry>, <light>, <camera>, <visual_scene> or <scene>"));
     };
     if technique(owner, PROFILE).is_some_and(|first| first.index() != element.index()) {
         return Err(element.fault(format!("a second technique of profile `{PROFILE}` in this <{}>", owner.name())));
@@ -54,6 +55,9 @@ fn check_unread<'a>(loader: &mut Loader<'a>, element: Element<'a>, owner: Option
         "effect" => {
             let user = format!("effect `{}`", owner.attribute("id").unwrap_or_default());
             profile::material::read(loader, element, &user)?;
+        }
+        "geometry" => {
+            profile::mesh::reference(element)?;
         }
         "light" => {
             profile::lights::read(element)?;

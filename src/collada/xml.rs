@@ -31,11 +31,12 @@ struct Record {
     text: Vec<Piece>,
 }
 
-struct Attribute {
-    name: Range<usize>,
-    value: Range<usize>,
-    /// The value after entities, where it has any.
-    unescaped: Option<String>,
+pub struct Attribute {
+    /// Range of the source, as the value's.
+    pub name: Range<usize>,
+    pub value: Range<usize>,
+    /// What the value means, where that differs from how it is written.
+    pub unescaped: Option<String>,
 }
 
 /// Text comes in pieces where comments, entities or child elements interrupt it.
@@ -48,7 +49,7 @@ enum Piece {
 /// elements that text and arena take more than `max_bytes` (an element of four letters takes 30 times as many bytes).
 /// The source is handed back with the fault so that the caller can show the place.
 pub fn parse(source: String, max_bytes: u64) -> Result<Xml, Box<(Fault, Xml)>> {
-    let mut xml = Xml { source: String::new(), elements: Vec::new(), attributes: Vec::new(), left_bytes: 0 };
+    let mut xml = Xml::over(String::new());
     let result = xml.fill(&source, max_bytes);
     xml.source = source;
     match result {
@@ -62,6 +63,11 @@ fn fault(span: Range<usize>, message: impl Into<String>) -> Fault {
 }
 
 impl Xml {
+    /// An arena without elements over a text.
+    pub fn over(source: String) -> Self {
+        Self { source, elements: Vec::new(), attributes: Vec::new(), left_bytes: 0 }
+    }
+
     fn fill(&mut self, source: &str, max_bytes: u64) -> Result<(), Fault> {
         self.left_bytes = max_bytes.saturating_sub(source.len() as u64);
         let mut reader = Reader::from_str(source);
@@ -134,13 +140,12 @@ impl Xml {
         tag: &BytesStart,
         parent: Option<usize>,
     ) -> Result<usize, Fault> {
-        let index = self.elements.len();
         let full = start + 1..start + 1 + tag.name().as_ref().len();
-        if parent.is_none() && index > 0 {
+        if parent.is_none() && !self.elements.is_empty() {
             return Err(fault(full, "not well-formed XML: a second root element"));
         }
         let name = full.start + source[full.clone()].rfind(':').map_or(0, |colon| colon + 1)..full.end;
-        let first_attribute = self.attributes.len();
+        let mut attributes = Vec::new();
         // Attribute slices borrow from the tag, which begins just after `<`: their addresses give the offsets.
         let base = tag.as_ptr() as usize;
         let offset = |slice: &[u8]| start + 1 + (slice.as_ptr() as usize - base);
@@ -156,8 +161,16 @@ impl Xml {
                 Ok(Cow::Owned(text)) => Some(text),
                 Err(error) => return Err(fault(value, format!("not well-formed XML: {error}"))),
             };
-            self.attributes.push(Attribute { name, value, unescaped });
+            attributes.push(Attribute { name, value, unescaped });
         }
+        Ok(self.add(parent, name, attributes))
+    }
+
+    /// Appends an element with the name at a range of the source; returns its index.
+    pub fn add(&mut self, parent: Option<usize>, name: Range<usize>, attributes: Vec<Attribute>) -> usize {
+        let index = self.elements.len();
+        let first_attribute = self.attributes.len();
+        self.attributes.extend(attributes);
         self.elements.push(Record {
             name,
             parent,
@@ -173,7 +186,7 @@ impl Xml {
                 None => self.elements[parent].first_child = Some(index),
             }
         }
-        Ok(index)
+        index
     }
 
     fn text(&mut self, source: &str, open: &[usize], piece: Piece) -> Result<(), Fault> {

@@ -131,16 +131,22 @@ impl Document {
 
     /// The middle of all geometry, if that is far from the origin.
     fn far_center(&self) -> Option<Vec3> {
-        let placed = self.placements();
         // Matrices alone carry scenes away: vertices that are written far out have lost their digits already.
-        if placed.iter().all(|(_, to_world)| to_world.w_axis.truncate() == Vec3::ZERO) {
+        if self.placements().iter().all(|(_, to_world)| to_world.w_axis.truncate() == Vec3::ZERO) {
             return None;
         }
+        let (low, high) = self.bounds()?;
+        let center = 0.5 * (low + high);
+        (center.is_finite() && center.length() > FAR * (high - low).length()).then_some(center)
+    }
+
+    /// Corners of a box around the boxes of all placed shapes, world space; `None` where there is none.
+    pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
         // Once for each geometry: a mesh may be placed very often.
         let bounds: Vec<Option<(Vec3, Vec3)>> =
             self.geometries.iter().map(|geometry| geometry.shape.bounds()).collect();
         let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-        for (node, to_world) in &placed {
+        for (node, to_world) in &self.placements() {
             for item in &self.nodes[*node].items {
                 let Item::Geometry { geometry, .. } = item else { continue };
                 let Some((least, most)) = bounds[*geometry] else { continue };
@@ -151,7 +157,6 @@ impl Document {
                 }
             }
         }
-        let center = 0.5 * (low + high);
-        (center.is_finite() && center.length() > FAR * (high - low).length()).then_some(center)
+        (low.x <= high.x).then_some((low, high))
     }
 }

@@ -16,10 +16,10 @@ use super::maps;
 use super::spectrum;
 use super::strict::{Bounds, Strict, at_most_one, only_children};
 
-const BASES: [&str; 5] = ["diffuse", "conductor", "dielectric", "emitter", "preset"];
+pub const BASES: [&str; 5] = ["diffuse", "conductor", "dielectric", "emitter", "preset"];
 
 /// Children that a base with a surface may have.
-const SURFACE_CHILDREN: [&str; 4] = ["film", "map", "normal_map", "opacity"];
+pub const SURFACE_CHILDREN: [&str; 4] = ["film", "map", "normal_map", "opacity"];
 
 /// Reads the technique of an effect. `user` names the material for messages.
 pub fn read<'a>(loader: &mut Loader<'a>, technique: Element<'a>, user: &str) -> Result<Material, Fault> {

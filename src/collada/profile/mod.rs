@@ -5,6 +5,8 @@ pub mod index;
 pub mod lights;
 pub mod maps;
 pub mod material;
+pub mod mesh;
+pub mod one_line;
 pub mod scene;
 pub mod spectrum;
 pub mod strict;
