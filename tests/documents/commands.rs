@@ -40,7 +40,7 @@ exec "$PELLICLE" "${args[@]}"
 "#;
 
 /// Lines with these words are not run, for these reasons.
-const NOT_RUN: [(&str, &str); 10] = [
+const NOT_RUN: [(&str, &str); 12] = [
     ("apt-get ", "installs packages"),
     ("pip install", "installs packages"),
     ("cargo ", "builds the program"),
@@ -50,6 +50,8 @@ const NOT_RUN: [(&str, &str); 10] = [
     ("make_scenes.py", "writes into scenes/, for minutes"),
     ("docs/make_", "writes into docs/, for minutes"),
     ("export ", "for the reader's own shell"),
+    ("git archive", "wants the repository, not only its files"),
+    ("contrib/blender/", "wants Blender's `bpy`; contrib/blender/tests runs it where it is"),
     ("...", "a gap"),
 ];
 

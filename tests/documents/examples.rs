@@ -279,15 +279,17 @@ fn whatever_our_profile_knows_has_an_example() {
     for block in blocks("docs/format.md").into_iter().filter(super::Block::is_xml) {
         let text = block.text;
         let (tags, _) = tags(&text);
+        for tag in &tags {
+            shown.extend(tag.attributes.iter().map(|name| format!("{} {name}=", key(tag))));
+            shown.insert(format!("{} <{}>", tag.parent, tag.name));
+            shown.insert(format!("<{}>", tag.name));
+        }
         if !place(&tags[0].name).is_some_and(Place::is_ours) {
             continue;
         }
         add_images(&folder, &text);
         for tag in tags {
             let key = key(&tag);
-            shown.extend(tag.attributes.iter().map(|name| format!("{key} {name}=")));
-            shown.insert(format!("{} <{}>", tag.parent, tag.name));
-            shown.insert(format!("<{}>", tag.name));
             if !probed.insert(format!("{key} {:?}", attribute(&text[tag.start..tag.end], "name"))) {
                 continue;
             }
