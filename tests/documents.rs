@@ -7,8 +7,8 @@
 //!   where it belongs (`examples::Place`). Images that it names are there.
 //! - Every line of any other block is a command, run by bash in a folder of its document, in order, so that one may use what
 //!   an earlier one made; so are `pellicle ...` between backticks in a table, and the examples of `--help`. The folder holds
-//!   `scenes/`, `scene.dae`, which is the whole scene of docs/format.md, and the files of `commands::fixtures`. `commands::SMALL` makes renders tiny. Lines that cannot run here are in `commands::NOT_RUN`, with
-//!   the reason.
+//!   `scenes/`, `scene.dae`, which is the whole scene of docs/format.md, and the files of `commands::fixtures`.
+//!   `commands::SMALL` makes renders tiny. Lines that cannot run here are in `commands::NOT_RUN`, with the reason.
 
 use std::fs;
 use std::path::{Path, PathBuf};

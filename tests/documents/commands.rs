@@ -66,9 +66,11 @@ fn fixtures(folder: &Folder) {
     symlink(root().join("scenes"), folder.file("scenes")).unwrap();
     symlink(pellicle, folder.file("pellicle-before")).unwrap();
     fs::write(folder.file("scene.dae"), super::examples::whole_scene()).unwrap();
-    for name in ["bin", "docs", "frames"] {
-        fs::create_dir(folder.file(name)).unwrap();
+    for name in ["bin", "docs", "frames", ".zfunc", ".local/share/bash-completion/completions"] {
+        fs::create_dir_all(folder.file(name)).unwrap();
     }
+    fs::write(folder.file("model.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
+        .unwrap();
     let small = folder.file("bin/pellicle");
     fs::write(&small, SMALL).unwrap();
     fs::set_permissions(&small, fs::Permissions::from_mode(0o755)).unwrap();
@@ -108,7 +110,10 @@ fn run(folder: &Folder, line: &str) -> Result<(), String> {
     let path = format!("{}:{}", folder.file("bin"), std::env::var("PATH").unwrap());
     let mut bash = Command::new("bash");
     bash.args(["-e", "-o", "pipefail", "-c", line]).current_dir(folder.file("."));
-    bash.env("PATH", path).env("PELLICLE", env!("CARGO_BIN_EXE_pellicle")).env("ARGUMENTS", &arguments);
+    bash.env("HOME", folder.file("."))
+        .env("PATH", path)
+        .env("PELLICLE", env!("CARGO_BIN_EXE_pellicle"))
+        .env("ARGUMENTS", &arguments);
     let output = bash.output().unwrap();
     if !output.status.success() {
         return Err(format!("{}: {}", output.status, String::from_utf8_lossy(&output.stderr)));

@@ -193,8 +193,11 @@ pub fn whole_scene() -> String {
     blocks.into_iter().find(|block| block.text.starts_with("<COLLADA")).unwrap().text
 }
 
-/// Puts the images there that an example names.
-fn add_images(folder: &Folder, xml: &str) {
+/// Puts the images and models there that an example names.
+fn add_files(folder: &Folder, xml: &str) {
+    for name in xml.split("<mesh file=\"").skip(1).filter_map(|rest| rest.split('"').next()) {
+        fs::write(folder.file(name), TRIANGLE).unwrap();
+    }
     for name in xml.split(" image=\"").skip(1).filter_map(|rest| rest.split('"').next()) {
         let path = folder.file(name);
         if Path::new(&path).exists() {
@@ -218,6 +221,9 @@ fn loads(folder: &Folder, xml: &str) -> Result<(), String> {
     }
 }
 
+const TRIANGLE: &str = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+    element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+
 #[test]
 fn every_example_loads_without_a_warning() {
     let folder = Folder::new("examples");
@@ -226,7 +232,7 @@ fn every_example_loads_without_a_warning() {
     for document in documents() {
         for block in blocks(&document).into_iter().filter(super::Block::is_xml) {
             count += 1;
-            add_images(&folder, &block.text);
+            add_files(&folder, &block.text);
             let xml = match block.text.starts_with("<COLLADA") {
                 true => Ok(block.text),
                 false => wrapped(&block.text, &whole)
@@ -287,7 +293,7 @@ fn whatever_our_profile_knows_has_an_example() {
         if !place(&tags[0].name).is_some_and(Place::is_ours) {
             continue;
         }
-        add_images(&folder, &text);
+        add_files(&folder, &text);
         for tag in tags {
             let key = key(&tag);
             if !probed.insert(format!("{key} {:?}", attribute(&text[tag.start..tag.end], "name"))) {
