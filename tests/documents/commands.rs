@@ -66,7 +66,15 @@ fn fixtures(folder: &Folder) {
     symlink(root().join("scenes"), folder.file("scenes")).unwrap();
     symlink(pellicle, folder.file("pellicle-before")).unwrap();
     fs::write(folder.file("scene.dae"), super::examples::whole_scene()).unwrap();
-    for name in ["bin", "docs", "frames", ".zfunc", ".local/share/bash-completion/completions"] {
+    for name in [
+        "bin",
+        "docs",
+        "frames",
+        ".zfunc",
+        ".local/share/bash-completion/completions",
+        ".local/share/man/man1",
+        ".config/fish/completions",
+    ] {
         fs::create_dir_all(folder.file(name)).unwrap();
     }
     fs::write(folder.file("model.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
@@ -94,7 +102,7 @@ fn help_examples(file: &Path) -> Vec<Block> {
     let place = file.strip_prefix(root()).unwrap().display().to_string();
     let text = fs::read_to_string(file).unwrap();
     let examples = text.lines().filter(|line| line.starts_with("  pellicle "));
-    let block = |line: &str| Block { place: place.clone(), text: line.trim_end_matches("\")]").to_owned() };
+    let block = |line: &str| Block { place: place.clone(), text: line.trim_end_matches("\")]").replace("\\\"", "\"") };
     examples.map(block).collect()
 }
 

@@ -167,7 +167,19 @@ fn wrapped(fragments: &str, whole: &str) -> Result<String, String> {
             }
             Place::Geometry => {
                 let id = attribute(xml, "id").unwrap();
-                put("{nodes}", format!("<node id=\"node-{i}\"><instance_geometry url=\"#{id}\"/></node>"));
+                let bound = attribute(xml, "material").map_or(String::new(), |symbol| {
+                    put("{effects}", format!("<effect id=\"effect-{i}\">{}</effect>", ours("<diffuse/>")));
+                    put(
+                        "{materials}",
+                        format!("<material id=\"m-{i}\"><instance_effect url=\"#effect-{i}\"/></material>"),
+                    );
+                    format!(
+                        "<bind_material><technique_common><instance_material symbol=\"{symbol}\" target=\"#m-{i}\"/>\
+                         </technique_common></bind_material>"
+                    )
+                });
+                let instance = format!("<instance_geometry url=\"#{id}\">{bound}</instance_geometry>");
+                put("{nodes}", format!("<node id=\"node-{i}\">{instance}</node>"));
                 put("{geometries}", xml.to_owned());
             }
             Place::InCamera => put("{camera}", xml.to_owned()),
