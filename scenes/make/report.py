@@ -36,7 +36,7 @@ def report_dragon():
     metal = scene.material("metal", (0.9, 0.9, 0.9), f'<conductor metal="Cr" roughness="0.2">{film(550, noise, ior=1.33)}</conductor>')
     scene.steps("metal-fx/film/thickness_nm", (550, 550, 250, 750))
     scene.steps("metal-fx/film/noise/amplitude", (0.025, 0, 0.025, 0.025))
-    scene.place(scene.mesh("dragon", dragon(4.9)), metal, ("translate", -4, 0, 4), ("rotate", 0, 1, 0, 24))
+    scene.place(scene.mesh("dragon", dragon(3.8)), metal, ("translate", 0.85, 0, -1.9), ("rotate", 0, 1, 0, 24))
     scene.render(480, 480, spp=128, max_bounces=8, exposure_ev=0.6)
     save(scene, "dragon")
 
