@@ -5,6 +5,8 @@
 //! says is only a density to sample with, known exactly for every direction: pictures keep their means, whatever the photons
 //! did. After Jensen 1995, "Importance Driven Path Tracing using the Photon Map".
 
+use std::f32::consts::FRAC_1_PI;
+
 use glam::{Mat3, Vec3};
 
 use super::photons::{self, Photon};
@@ -19,10 +21,14 @@ const CONES: usize = 16;
 const NARROW: f32 = 1e-4;
 /// Below so many photons there is nothing worth looking for.
 const FEW: usize = 64;
+/// Photons that a leaf is made of, at most.
+const ENOUGH: usize = 8 * CONES;
 /// The chance to follow photons where nothing but thrown light arrives.
-const MOST: f32 = 0.5;
-/// Thrown light counts as much as this share of the light that comes straight from lamps: it is harder to find.
+const MOST: f32 = 0.8;
+/// Thrown light counts as much as these shares of the light that comes straight from lamps, and of that from other surfaces
+/// that they light: it is harder to find.
 const DIRECT_SHARE: f32 = 0.1;
+const INDIRECT_SHARE: f32 = 0.3;
 /// Below this chance a leaf is not worth asking.
 const WORTHWHILE: f32 = 0.05;
 /// The cone of a point reaches to so many neighbours.
@@ -77,7 +83,7 @@ impl Guide {
     fn split(&mut self, photons: &[Photon]) {
         let (low, high) = extent(photons.iter().map(|photon| photon.position));
         // Photons that a rounding error separates cannot be split.
-        if photons.len() <= 2 * CONES || (high - low).max_element() <= 1e-5 * high.abs().max(low.abs()).max_element() {
+        if photons.len() <= ENOUGH || (high - low).max_element() <= 1e-5 * high.abs().max(low.abs()).max_element() {
             let leaf = Leaf::new(photons, low, high);
             if leaf.chance < WORTHWHILE {
                 self.nodes.push(Node::Leaf(EMPTY));
@@ -125,7 +131,7 @@ impl Leaf {
     fn new(photons: &[Photon], low: Vec3, high: Vec3) -> Self {
         let count = photons.len() as f32;
         let power: f32 = photons.iter().map(|photon| photon.power).sum();
-        let direct: f32 = photons.iter().map(|photon| photon.direct).sum::<f32>() / count;
+        let easy = photons.iter().map(|p| DIRECT_SHARE * p.direct + INDIRECT_SHARE * p.indirect).sum::<f32>() / count;
 
         // Draw as many points as there are cones, by their power.
         let drift = drift(photons);
@@ -150,10 +156,21 @@ impl Leaf {
         let size = high - low;
         let area_m2 = (size.x * size.y).max(size.y * size.z).max(size.z * size.x).max(f32::MIN_POSITIVE);
         let thrown = power / area_m2;
-        let chance = MOST * thrown / (thrown + DIRECT_SHARE * direct);
+        let chance = (thrown / (thrown + easy)).min(MOST);
         let margin = 0.25 * size + size.max_element() * 0.05;
         let points = [points.map(|p| p.x), points.map(|p| p.y), points.map(|p| p.z)];
-        Self { low: low - margin, high: high + margin, chance, drift, points, radius2 }
+        let mut leaf = Self { low: low - margin, high: high + margin, chance, drift, points, radius2 };
+        leaf.chance *= leaf.narrowness(photons);
+        leaf
+    }
+
+    /// How much there is to gain: 0 where a matte surface finds the way to the throwing points as well by itself, near 1
+    /// where they are close together.
+    fn narrowness(&self, photons: &[Photon]) -> f32 {
+        let toward = |photon: &Photon| (photon.thrower - photon.position).try_normalize();
+        let pdfs = photons.iter().filter_map(|photon| Some(self.pdf(photon.position, toward(photon)?)));
+        let mean_pdf = pdfs.sum::<f32>() / photons.len() as f32;
+        (1.0 - FRAC_1_PI / mean_pdf).max(0.0)
     }
 
     /// A direction from `from`.
@@ -246,7 +263,7 @@ mod tests {
         let photon = |i| {
             let [x, y, blur_x, blur_y] = Sampler::new(0, i, 0).next_4d();
             let thrower = 0.5 * Vec3::new(x + blur_x - 0.5, y + blur_y - 0.5, 2.0);
-            Photon { position: Vec3::new(x, y, 0.0), thrower, power: 1.0, direct: 1.0 }
+            Photon { position: Vec3::new(x, y, 0.0), thrower, power: 1.0, direct: 1.0, indirect: 0.0 }
         };
         (0..256).map(photon).collect()
     }
@@ -271,6 +288,21 @@ mod tests {
         let toward = (Vec3::new(0.15, 0.3, 1.0) - from).normalize();
         assert!(leaf.pdf(from, toward) > 10.0 * UNIFORM_SPHERE_PDF, "{}", leaf.pdf(from, toward));
         assert!(leaf.pdf(from, -toward) < UNIFORM_SPHERE_PDF);
+    }
+
+    /// Where light comes from everywhere a surface finds it by itself: the guide stays out of its way.
+    #[test]
+    fn only_narrow_light_is_followed() {
+        let from_all_around = |photon: Photon, i| {
+            let [x, y, ..] = Sampler::new(0, i, 1).next_4d();
+            let toward = square_to_sphere([x, y]);
+            let thrower = photon.position + Vec3::new(toward.x, toward.y, toward.z.abs());
+            Photon { thrower, direct: 0.0, ..photon }
+        };
+        let wide: Vec<Photon> = photons().into_iter().zip(0..).map(|(photon, i)| from_all_around(photon, i)).collect();
+        let chance = |photons: &[Photon]| Leaf::new(photons, Vec3::ZERO, Vec3::ONE).chance;
+        assert!(chance(&photons()) > 0.5, "{}", chance(&photons()));
+        assert!(chance(&wide) < 0.5 * chance(&photons()), "{}", chance(&wide));
     }
 
     /// The density integrates to 1, and what it says of a cone is how often samples fall into it.

@@ -30,11 +30,9 @@ pub struct Path<M: Mode> {
     scattered: Option<(Vec3, f32)>,
     interior: Interior,
     /// What roulette multiplies the throughput with: radiance is compressed inside dense bodies, which is no loss, and a
-    /// tail starts with the importance of the path it belongs to.
+    /// tail starts with the importance of the path it belongs to. Likewise with how much likelier directions were than by
+    /// the surfaces alone: more light is expected from there, also by what lies there and sends the path on.
     pub(super) importance: f32,
-    /// Likewise, until the next scattering into many directions: how much likelier the direction was than by the surface
-    /// alone, since more light is expected from there.
-    expected: f32,
     pub(super) bounce: u32,
     /// Surfaces that were passed as if they were not there.
     pub(super) passed: u32,
@@ -76,7 +74,6 @@ impl<M: Mode> Path<M> {
             scattered: None,
             interior,
             importance: 1.0,
-            expected: 1.0,
             bounce: 0,
             passed: 0,
             collapsed: false,
@@ -245,7 +242,8 @@ impl<M: Mode> Path<M> {
 
         // Play Russian roulette with what is left.
         if self.bounce > SURE_BOUNCES {
-            let survival = (self.throughput.max() * self.importance * self.expected).min(0.95);
+            // The square root: noise grows by more than the time that killing the faint ones as they deserve would save.
+            let survival = (self.throughput.max() * self.importance).sqrt().min(0.95);
             if self.u_light[3] >= survival {
                 return false;
             }
@@ -261,11 +259,7 @@ impl<M: Mode> Path<M> {
             return self.draw_guided(vertex, leaf);
         }
         let [u_x, u_y, u_lobe, _] = self.u_surface;
-        let sample = vertex.bsdf.sample(vertex.wo, [u_lobe, u_x, u_y], &self.waves)?;
-        if matches!(sample.pdf, Pdf::SolidAngle(_)) {
-            self.expected = 1.0;
-        }
-        Some(sample)
+        vertex.bsdf.sample(vertex.wo, [u_lobe, u_x, u_y], &self.waves)
     }
 
     /// The density that comes with a direction is that of the surface alone, which light sampling weighs itself against.
@@ -278,15 +272,16 @@ impl<M: Mode> Path<M> {
             let wi = vertex.local(toward)?;
             let (value, pdf) = vertex.bsdf.eval(vertex.wo, wi, &self.waves);
             let density = vertex.density(toward, pdf);
-            self.expected = density / pdf;
+            self.importance *= density / pdf;
             let weight = value * (1.0 / density);
             return (pdf > 0.0).then_some(BsdfSample { wi, weight, pdf: Pdf::SolidAngle(pdf), collapses: false });
         }
         let mut sample = vertex.bsdf.sample(vertex.wo, [u_lobe, u_x, u_y], &self.waves)?;
         sample.weight = match sample.pdf {
             Pdf::SolidAngle(pdf) => {
-                self.expected = vertex.density(vertex.frame.to_world(sample.wi), pdf) / pdf;
-                sample.weight * (1.0 / self.expected)
+                let expected = vertex.density(vertex.frame.to_world(sample.wi), pdf) / pdf;
+                self.importance *= expected;
+                sample.weight * (1.0 / expected)
             }
             Pdf::Delta | Pdf::Through(_) => sample.weight * (1.0 / (1.0 - leaf.chance)),
         };

@@ -1,5 +1,6 @@
 //! Light that mirrors and lenses throw onto other surfaces, followed from the lamps.
 
+use arrayvec::ArrayVec;
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -16,6 +17,10 @@ const MAX_SURFACES: u32 = 32;
 /// Any number: photons are the same in every render of a scene.
 const SEED: u32 = 0x70_68_6f_74;
 
+/// Surfaces that a photon may land on: the second shows where what the first scatters goes, which is bright where light
+/// was gathered in one place.
+const LANDINGS: usize = 2;
+
 /// Where thrown light lands.
 #[derive(Clone, Copy)]
 pub(super) struct Photon {
@@ -24,8 +29,10 @@ pub(super) struct Photon {
     pub thrower: Vec3,
     /// W, mean of the lanes.
     pub power: f32,
-    /// W/m2 that light sampling would find there if nothing stood in between.
+    /// W/m2 that light sampling would find there, and what would come from elsewhere that it lights, if nothing stood in
+    /// between.
     pub direct: f32,
+    pub indirect: f32,
 }
 
 /// Sends out `count` photons towards mirrors and lenses; those that are thrown onto a surface of another kind come back.
@@ -44,17 +51,22 @@ pub(super) fn trace<M: Mode>(scene: &Scene<M>, count: u32) -> Vec<Photon> {
         reach.push(total_m2);
     }
     let shot = |index: u32| {
+        let mut photons = ArrayVec::<Photon, LANDINGS>::new();
         let mut sampler = Sampler::new(0, index, SEED);
         let [u_caster, u_wave, u_x, u_y] = sampler.next_4d();
         let at = reach.partition_point(|&sum| sum <= u_caster * total_m2);
         let caster = &casters[at.min(casters.len() - 1)];
         let waves = M::waves(u_wave);
         let area_m2 = std::f32::consts::PI * total_m2;
-        let (ray, power) = emit(scene, caster, [u_x, u_y], &mut sampler, &waves)?;
-        follow(scene, ray, power * (area_m2 / count as f32), sampler, &waves)
+        if let Some((ray, power)) = emit(scene, caster, [u_x, u_y], &mut sampler, &waves) {
+            follow(scene, ray, power * (area_m2 / count as f32), sampler, &waves, &mut photons);
+        }
+        photons
     };
-    let counts = |photon: &Photon| photon.power > 0.0 && photon.power.is_finite() && photon.direct.is_finite();
-    (0..count).into_par_iter().filter_map(shot).filter(counts).collect()
+    let counts = |photon: &Photon| {
+        photon.power > 0.0 && photon.power.is_finite() && (photon.direct + photon.indirect).is_finite()
+    };
+    (0..count).into_par_iter().flat_map_iter(shot).filter(counts).collect()
 }
 
 /// A ray from a lamp through the disc that a caster shows it, and the irradiance there.
@@ -80,14 +92,15 @@ fn emit<M: Mode>(
     Some((Ray::new(aim + light.wi * low.distance(high), -light.wi), irradiance))
 }
 
-/// Follows a photon until it lands.
+/// Follows a photon until it is lost or has landed often enough; `None` then.
 fn follow<M: Mode>(
     scene: &Scene<M>,
     mut ray: Ray,
     mut power: f32,
     mut sampler: Sampler,
     waves: &M::Waves,
-) -> Option<Photon> {
+    photons: &mut ArrayVec<Photon, LANDINGS>,
+) -> Option<()> {
     let mut thrower = None;
     let mut interior = Interior::AIR;
     for _ in 0..MAX_SURFACES {
@@ -101,14 +114,14 @@ fn follow<M: Mode>(
             continue;
         };
         let vertex = Vertex::new(scene, (surface, material), -ray.dir, [interior, beyond], waves);
-        if !matches!(vertex.bsdf, Bsdf::Conductor(_) | Bsdf::Dielectric(_)) {
-            let position = vertex.surface.position;
-            let [u_light, u_light_x, u_light_y, _] = sampler.next_4d();
-            let direct = scene.stage.lights.sample(position, [u_light, u_light_x, u_light_y]).map_or(0.0, |light| {
-                let cos = light.wi.dot(vertex.surface.ng).abs();
-                scene.arriving(&light.light, waves).mean() * cos / light.pdf
-            });
-            return thrower.map(|thrower| Photon { position, thrower, power, direct });
+        if !throws(&vertex) {
+            let (position, thrower) = (vertex.surface.position, thrower?);
+            let direct = direct(scene, &vertex, &mut sampler, waves);
+            let indirect = indirect(scene, &vertex, &mut sampler, waves);
+            photons.push(Photon { position, thrower, power, direct, indirect });
+            if photons.is_full() {
+                return None;
+            }
         }
         let sample = vertex.bsdf.sample(vertex.wo, [u_lobe, u_x, u_y], waves)?;
         let wi = vertex.frame.to_world(sample.wi);
@@ -122,4 +135,33 @@ fn follow<M: Mode>(
         ray = Ray::new(vertex.surface.leave(wi), wi);
     }
     None
+}
+
+/// True for mirrors and lenses; photons land on the others.
+fn throws<M: Mode>(vertex: &Vertex<M>) -> bool {
+    matches!(vertex.bsdf, Bsdf::Conductor(_) | Bsdf::Dielectric(_))
+}
+
+/// W/m2 from a lamp, if nothing stands in between.
+fn direct<M: Mode>(scene: &Scene<M>, vertex: &Vertex<M>, sampler: &mut Sampler, waves: &M::Waves) -> f32 {
+    let [u_light, u_light_x, u_light_y, _] = sampler.next_4d();
+    scene.stage.lights.sample(vertex.surface.position, [u_light, u_light_x, u_light_y]).map_or(0.0, |light| {
+        let Some(wi) = vertex.local(light.wi) else { return 0.0 };
+        scene.arriving(&light.light, waves).mean() * wi.z.abs() / light.pdf
+    })
+}
+
+/// W/m2 from another surface that lamps light, if nothing stands in between.
+fn indirect<M: Mode>(scene: &Scene<M>, vertex: &Vertex<M>, sampler: &mut Sampler, waves: &M::Waves) -> f32 {
+    let [u_x, u_y, u_lobe, _] = sampler.next_4d();
+    let Some(sample) = vertex.bsdf.sample(vertex.wo, [u_lobe, u_x, u_y], waves) else { return 0.0 };
+    let wi = vertex.frame.to_world(sample.wi);
+    let ray = Ray::new(vertex.surface.leave(wi), wi);
+    let Some(mut surface) = scene.intersect(&ray) else { return 0.0 };
+    let (Some(material), beyond) = scene.meet(&ray, &mut surface, &vertex.interior) else { return 0.0 };
+    let other = Vertex::new(scene, (surface, material), -wi, [vertex.interior, beyond], waves);
+    if throws(&other) {
+        return 0.0;
+    }
+    direct(scene, &other, sampler, waves) * other.bsdf.albedo(waves).mean()
 }

@@ -14,8 +14,8 @@ use crate::mode::Mode;
 use crate::scene::{Camera, Scene};
 
 /// Photons are a small part of a picture's rays.
-const PIXELS_PER_PHOTON: u32 = 8;
-const MAX_PHOTONS: u32 = 1 << 16;
+const PIXELS_PER_PHOTON: u32 = 2;
+const MAX_PHOTONS: u32 = 1 << 18;
 /// One group of so many is tried.
 const GROUPS_PER_TRIAL: u32 = 256;
 /// No picture needs more trials; with fewer, nothing is learned.
