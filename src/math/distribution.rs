@@ -17,8 +17,7 @@ struct AliasEntry {
 impl Alias {
     /// `None` when no weight is positive. Non-finite and negative weights count as zero.
     pub fn new(weights: &[f32]) -> Option<Self> {
-        let weights: Vec<f64> =
-            weights.iter().map(|&w| if w.is_finite() && w > 0.0 { f64::from(w) } else { 0.0 }).collect();
+        let weights: Vec<f64> = weights.iter().map(|&w| clean(f64::from(w))).collect();
         let sum: f64 = weights.iter().sum();
         if sum <= 0.0 {
             return None;
@@ -69,90 +68,125 @@ impl Alias {
     }
 }
 
-/// A density on [0, 1)^2, constant in each cell of a width x height grid.
+/// A density on [0, 1)^2, constant in each cell of a grid. A column is drawn first, then a cell of it, both by inversion,
+/// which keeps stratified numbers stratified.
 ///
-/// Points are warped down a pyramid of weights (Clarberg et al. 2005, "Wavelet Importance Sampling", section 4.1): few cache
-/// lines per draw, and stratified numbers give stratified points.
+/// Probabilities are whole numbers of units, so that draws and [`Grid::pdf`] agree exactly.
 #[derive(Clone, Debug)]
 pub struct Grid {
-    width: usize,
-    height: usize,
-    /// Square blocks of 2^levels cells a side, side by side along the longer axis, cover the grid.
-    levels: u32,
-    columns: usize,
-    /// Cumulative weight of the blocks: first 0, last 1.
-    blocks: Vec<f32>,
-    /// Weights from one number per block to one per cell; in each level block by block, in Z-order within a block.
-    pyramid: Vec<Vec<f32>>,
-    /// Turns a cell's weight into density.
+    columns: Stairs,
+    /// One table per column.
+    cells: Stairs,
+    /// Turns a column's units times a cell's into density.
     scale: f32,
 }
 
+/// Cumulative tables of the same length, one after another, with guides that make a draw take constant time on average (Chen
+/// & Asau 1974, "On Generating Random Variates from an Empirical Distribution").
+#[derive(Clone, Debug)]
+struct Stairs {
+    length: usize,
+    /// `length` + 1 in a table: from 0 to [`UNITS`], or 0 throughout where no weight is positive.
+    sums: Vec<u32>,
+    /// 2^`guide_log2` in a table, one per equal share of the units: an index that no draw from there lies below.
+    guides: Vec<u16>,
+    guide_log2: u32,
+}
+
+const UNITS_LOG2: u32 = 31;
+/// What all probabilities of a table add up to.
+const UNITS: u32 = 1 << UNITS_LOG2;
+
+impl Stairs {
+    /// From `weight(table, index)`.
+    fn new(tables: usize, length: usize, weight: impl Fn(usize, usize) -> f64) -> Self {
+        let guide_log2 = length.next_power_of_two().trailing_zeros();
+        let mut sums = Vec::with_capacity(tables * (length + 1));
+        let mut guides = Vec::with_capacity(tables << guide_log2);
+        let mut weights = vec![0.0; length];
+        for table in 0..tables {
+            weights.iter_mut().enumerate().for_each(|(index, w)| *w = clean(weight(table, index)));
+            let total: f64 = weights.iter().sum();
+            // A unit of its own keeps each positive weight possible.
+            let shared = f64::from(UNITS) - weights.iter().filter(|&&w| w > 0.0).count() as f64;
+            let (mut sum, mut own) = (0.0, 0);
+            let first = sums.len();
+            sums.push(0);
+            for &weight in &weights {
+                sum += weight;
+                own += u32::from(weight > 0.0);
+                // Not a number where no weight is positive, which makes 0 units.
+                sums.push((sum / total * shared) as u32 + own);
+            }
+            let mut index = 0;
+            for share in 0..1u32 << guide_log2 {
+                while index + 1 < length && sums[first + index + 1] <= share << (UNITS_LOG2 - guide_log2) {
+                    index += 1;
+                }
+                guides.push(index.min(usize::from(u16::MAX)) as u16);
+            }
+        }
+        Self { length, sums, guides, guide_log2 }
+    }
+
+    /// (index, place within it in 0..1, its units), from a number in [0, 1) and a table with a positive weight.
+    #[inline]
+    fn sample(&self, table: usize, u: f32) -> (usize, f32, u32) {
+        let position = (u * UNITS as f32) as u32;
+        let share = (position >> (UNITS_LOG2 - self.guide_log2)) as usize;
+        let mut index = usize::from(self.guides[(table << self.guide_log2) + share]);
+        let sums = &self.sums[table * (self.length + 1)..][..self.length + 1];
+        while sums[index + 1] <= position {
+            index += 1;
+        }
+        let units = sums[index + 1] - sums[index];
+        let inside = ((position - sums[index]) as f32 + 0.5) / units as f32;
+        (index, inside.min(1.0 - f32::EPSILON / 2.0), units)
+    }
+
+    #[inline]
+    fn units(&self, table: usize, index: usize) -> u32 {
+        let place = table * (self.length + 1) + index;
+        self.sums[place + 1] - self.sums[place]
+    }
+}
+
 impl Grid {
-    /// Row-major weights; `None` when none is positive. Non-finite and negative weights count as zero.
-    pub fn new(weights: &[f32], width: usize) -> Option<Self> {
-        let height = weights.len().checked_div(width)?;
-        let clean = |w: f32| if w.is_finite() && w > 0.0 { w } else { 0.0 };
-        let total: f64 = weights.iter().map(|&w| f64::from(clean(w))).sum();
-        if total <= 0.0 {
+    /// From the weight of the cell (x, y); `None` when none is positive. Non-finite and negative weights count as zero.
+    pub fn new(width: usize, height: usize, weight: impl Fn(usize, usize) -> f32) -> Option<Self> {
+        let sum = |x: usize| (0..height).map(|y| clean(f64::from(weight(x, y)))).sum();
+        let sums: Vec<f64> = (0..width).map(sum).collect();
+        if !sums.iter().any(|&sum| sum > 0.0) {
             return None;
         }
-        let levels = width.min(height).next_power_of_two().trailing_zeros();
-        let columns = width.div_ceil(1 << levels);
-        let count = columns * height.div_ceil(1 << levels);
-        let mut cells = vec![0.0f32; count << (2 * levels)];
-        let mut grid = Self { width, height, levels, columns, blocks: Vec::new(), pyramid: Vec::new(), scale: 0.0 };
-        for (i, &weight) in weights.iter().enumerate() {
-            cells[grid.cell(i % width, i / width)] = clean(weight);
-        }
-        grid.pyramid.push(cells);
-        for _ in 0..levels {
-            let finer = &grid.pyramid[grid.pyramid.len() - 1];
-            grid.pyramid.push(finer.chunks_exact(4).map(|four| four.iter().sum()).collect());
-        }
-        grid.pyramid.reverse();
-        grid.blocks = cumulative(grid.pyramid[0].iter().map(|&w| f64::from(w)));
-        grid.scale = (weights.len() as f64 / total) as f32;
-        Some(grid)
+        let columns = Stairs::new(1, width, |_, x| sums[x]);
+        let cells = Stairs::new(width, height, |x, y| f64::from(weight(x, y)));
+        Some(Self { columns, cells, scale: ((width * height) as f64 / f64::from(UNITS).powi(2)) as f32 })
     }
 
     /// (point, density at it), from two numbers in [0, 1).
+    #[inline]
     pub fn sample(&self, u: [f32; 2]) -> ([f32; 2], f32) {
-        let along = usize::from(self.columns == 1);
-        let mut u = u;
-        let (block, rest) = pick(&self.blocks, u[along]);
-        u[along] = rest;
-        let mut cell = block;
-        let (mut x, mut y) = (0, 0);
-        for level in &self.pyramid[1..] {
-            cell *= 4;
-            let four: [f32; 4] = [level[cell], level[cell + 1], level[cell + 2], level[cell + 3]];
-            let (top, bottom) = (four[0] + four[1], four[2] + four[3]);
-            let lower = choose(&mut u[1], top, bottom);
-            let (left, right) = (four[2 * usize::from(lower)], four[2 * usize::from(lower) + 1]);
-            let further = choose(&mut u[0], left, right);
-            (x, y) = (2 * x + usize::from(further), 2 * y + usize::from(lower));
-            cell += usize::from(further) + 2 * usize::from(lower);
-        }
-        (x, y) = (x + ((block % self.columns) << self.levels), y + ((block / self.columns) << self.levels));
-        let point = [(x as f32 + u[0]) / self.width as f32, (y as f32 + u[1]) / self.height as f32];
-        (point, self.pyramid[self.levels as usize][cell] * self.scale)
+        let (x, right, column) = self.columns.sample(0, u[0]);
+        let (y, down, cell) = self.cells.sample(x, u[1]);
+        let point = [(x as f32 + right) / self.columns.length as f32, (y as f32 + down) / self.cells.length as f32];
+        (point, self.density(column, cell))
     }
 
-    /// Density at a point of [0, 1)^2.
-    pub fn pdf(&self, point: [f32; 2]) -> f32 {
-        let x = ((point[0] * self.width as f32) as usize).min(self.width - 1);
-        let y = ((point[1] * self.height as f32) as usize).min(self.height - 1);
-        self.pyramid[self.levels as usize][self.cell(x, y)] * self.scale
+    /// Density in a cell.
+    #[inline]
+    pub fn pdf(&self, x: usize, y: usize) -> f32 {
+        self.density(self.columns.units(0, x), self.cells.units(x, y))
     }
 
-    /// Place of a cell in the finest level.
-    fn cell(&self, x: usize, y: usize) -> usize {
-        let mask = (1 << self.levels) - 1;
-        let block = (y >> self.levels) * self.columns + (x >> self.levels);
-        let inside = spread_bits((x & mask) as u32) | spread_bits((y & mask) as u32) << 1;
-        (block << (2 * self.levels)) | inside as usize
+    fn density(&self, column: u32, cell: u32) -> f32 {
+        column as f32 * cell as f32 * self.scale
     }
+}
+
+/// A weight that can be added up.
+fn clean(weight: f64) -> f64 {
+    if weight.is_finite() && weight > 0.0 { weight } else { 0.0 }
 }
 
 /// Moves bit i to bit 2i: two of them make a place on a Z-order curve.
@@ -163,39 +197,6 @@ pub fn spread_bits(x: u32) -> u64 {
     }
     x = (x | x << 2) & 0x3333_3333_3333_3333;
     (x | x << 1) & 0x5555_5555_5555_5555
-}
-
-/// True for the second of two weights, which are not both zero; the number is stretched back to [0, 1).
-#[inline]
-fn choose(u: &mut f32, first: f32, second: f32) -> bool {
-    let share = first / (first + second);
-    let chosen = *u >= share;
-    // Selected before the division: no branch, which half the time would be guessed wrong.
-    let (low, width) = if chosen { (share, 1.0 - share) } else { (0.0, share) };
-    // Rounding must not reach 1, nor choose a weight of zero next time.
-    *u = ((*u - low) / width).clamp(0.0, 1.0 - f32::EPSILON / 2.0);
-    chosen
-}
-
-/// Running sums scaled to end at 1 (or all zero), with a leading 0.
-fn cumulative(weights: impl Iterator<Item = f64>) -> Vec<f32> {
-    let mut sums = vec![0.0];
-    let mut sum = 0.0;
-    for weight in weights {
-        sum += weight;
-        sums.push(sum);
-    }
-    let scale = if sum > 0.0 { 1.0 / sum } else { 0.0 };
-    sums.iter().map(|s| (s * scale) as f32).collect()
-}
-
-/// The interval of a cumulative table that `u` falls into, and where inside it (0..1).
-fn pick(cumulative: &[f32], u: f32) -> (usize, f32) {
-    let last = cumulative.len() - 2;
-    let index = cumulative.partition_point(|&c| c <= u).saturating_sub(1).min(last);
-    let width = cumulative[index + 1] - cumulative[index];
-    let inside = if width > 0.0 { (u - cumulative[index]) / width } else { 0.5 };
-    (index, inside.clamp(0.0, 1.0 - f32::EPSILON / 2.0))
 }
 
 #[cfg(test)]
@@ -222,17 +223,44 @@ mod tests {
     #[test]
     fn grid_density_integrates_to_one_and_matches_its_draws() {
         let weights = [0.0, 1.0, 2.0, 5.0, 0.0, 8.0];
-        let grid = Grid::new(&weights, 3).unwrap();
-        assert_eq!(grid.pdf([0.4, 0.2]), 1.0 * 6.0 / 16.0);
+        let grid = Grid::new(3, 2, |x, y| weights[3 * y + x]).unwrap();
+        assert_eq!(grid.pdf(1, 0), 1.0 * 6.0 / 16.0);
         let mut mean = 0.0;
         for i in 0..64 {
             for j in 0..64 {
                 let (point, pdf) = grid.sample([(i as f32 + 0.5) / 64.0, (j as f32 + 0.5) / 64.0]);
-                assert!(pdf > 0.0 && (pdf - grid.pdf(point)).abs() < 1e-5);
+                assert!(pdf > 0.0 && pdf == grid.pdf((point[0] * 3.0) as usize, (point[1] * 2.0) as usize));
                 mean += 1.0 / pdf / 4096.0;
             }
         }
         // The mean of 1/pdf is the area where the density is positive: four of six cells.
         assert!((mean - 4.0 / 6.0).abs() < 0.02, "{mean}");
+        assert!(Grid::new(2, 2, |_, _| -1.0).is_none());
+    }
+
+    #[test]
+    fn what_is_drawn_is_possible_and_what_is_possible_is_drawn() {
+        // Weights of all sizes, and more of them than a guide can number.
+        let weight = |_: usize, y: usize| match y % 4 {
+            0 => 0.0,
+            1 => 1e-30,
+            2 => f32::NAN,
+            _ => 1e30 * (y as f32).sqrt(),
+        };
+        for height in [1, 2, 3, 5, 64, 1000, 70_000] {
+            let grid = Grid::new(2, height, |x, y| weight(x, y + 3)).unwrap();
+            let total: f64 = (0..height).map(|y| f64::from(grid.cells.units(1, y))).sum();
+            assert_eq!(total, f64::from(UNITS));
+            for y in 0..height {
+                assert_eq!(grid.cells.units(1, y) > 0, weight(1, y + 3) > 0.0);
+            }
+            for i in 0..=10_000 {
+                let u = (i as f32 / 10_000.0).min(1.0 - f32::EPSILON / 2.0);
+                let (index, inside, units) = grid.cells.sample(1, u);
+                assert!(units == grid.cells.units(1, index) && units > 0 && (0.0..1.0).contains(&inside));
+                let [low, high] = [0, 1].map(|next| grid.cells.sums[grid.cells.length + 1 + index + next]);
+                assert!((low..high).contains(&((u * UNITS as f32) as u32)));
+            }
+        }
     }
 }

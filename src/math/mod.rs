@@ -5,6 +5,7 @@ mod frame;
 mod noise;
 mod sampler;
 mod sobol;
+pub mod trigonometry;
 pub mod warp;
 
 pub use frame::Frame;

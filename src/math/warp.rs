@@ -4,6 +4,8 @@ use std::f32::consts::{FRAC_1_PI, FRAC_PI_4, PI};
 
 use glam::{Vec2, Vec3};
 
+use super::trigonometry::{sin_cos_eighth, sin_cos_turn};
+
 /// Unit disc, area-preserving and with little distortion. Shirley & Chiu 1997.
 #[inline]
 pub fn square_to_disk(u: [f32; 2]) -> Vec2 {
@@ -18,16 +20,6 @@ pub fn square_to_disk(u: [f32; 2]) -> Vec2 {
     let (sin, cos) = sin_cos_eighth(FRAC_PI_4 * (other / radius));
     let (along, across) = (radius * cos, radius * sin);
     if near_x { Vec2::new(along, across) } else { Vec2::new(across, along) }
-}
-
-/// Sine and cosine of an angle of at most pi/4 either way, to 1e-7: no range to reduce, no call, no branch. The polynomials
-/// of the Cephes library (Moshier), sinf.c.
-#[inline]
-fn sin_cos_eighth(angle: f32) -> (f32, f32) {
-    let z = angle * angle;
-    let sin = ((-1.951_529_6e-4 * z + 8.332_161e-3) * z - 0.166_666_55) * z * angle + angle;
-    let cos = ((2.443_315_7e-5 * z - 1.388_731_6e-3) * z + 4.166_664_6e-2) * z * z - 0.5 * z + 1.0;
-    (sin, cos)
 }
 
 /// Cosine-weighted direction about +z. Malley's method.
@@ -48,7 +40,7 @@ pub fn cosine_hemisphere_pdf(cos_theta: f32) -> f32 {
 pub fn square_to_sphere(u: [f32; 2]) -> Vec3 {
     let z = 1.0 - 2.0 * u[0];
     let radius = (1.0 - z * z).max(0.0).sqrt();
-    let (sin, cos) = (2.0 * PI * u[1]).sin_cos();
+    let (sin, cos) = sin_cos_turn(u[1]);
     Vec3::new(radius * cos, radius * sin, z)
 }
 
@@ -61,7 +53,7 @@ pub const UNIFORM_SPHERE_PDF: f32 = 0.25 * FRAC_1_PI;
 pub fn square_to_cone(u: [f32; 2], one_minus_cos: f32) -> Vec3 {
     let off_axis = u[0] * one_minus_cos;
     let radius = (off_axis * (2.0 - off_axis)).max(0.0).sqrt();
-    let (sin, cos) = (2.0 * PI * u[1]).sin_cos();
+    let (sin, cos) = sin_cos_turn(u[1]);
     Vec3::new(radius * cos, radius * sin, 1.0 - off_axis)
 }
 
@@ -98,18 +90,4 @@ pub fn square_to_triangle(u: [f32; 2]) -> [f32; 2] {
         x -= y;
     }
     [x, y]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn short_sines_are_exact_enough() {
-        for i in -1000..=1000 {
-            let angle = FRAC_PI_4 * i as f32 / 1000.0;
-            let ((sin, cos), (true_sin, true_cos)) = (sin_cos_eighth(angle), f64::from(angle).sin_cos());
-            assert!((f64::from(sin) - true_sin).abs() < 1e-7 && (f64::from(cos) - true_cos).abs() < 1e-7, "{angle}");
-        }
-    }
 }

@@ -2,12 +2,13 @@
 
 use std::f32::consts::{FRAC_1_PI, PI, TAU};
 
-use glam::{Mat3, Vec3};
+use glam::{Mat3, Vec3, Vec4};
 
 use super::light::Source;
 use super::texture::Texture;
 use crate::document::Encoding;
 use crate::math::distribution::Grid;
+use crate::math::trigonometry::{atan2, sin_cos_turn};
 use crate::math::warp::{UNIFORM_SPHERE_PDF, square_to_sphere};
 
 pub enum Sky {
@@ -22,12 +23,13 @@ pub enum Sky {
 pub struct SkyImage {
     width: usize,
     height: usize,
-    texels: Vec<Vec3>,
+    /// Radiance, and the density on the unit square with which the texel is drawn: whoever sees the sky asks for both.
+    texels: Vec<Vec4>,
     /// Multiplies the texels.
     tint: Source,
     to_image: Mat3,
     /// Over the image, for drawing directions.
-    density: Option<Grid>,
+    grid: Option<Grid>,
     /// Of the texels over the sphere.
     mean: Vec3,
 }
@@ -42,11 +44,11 @@ impl SkyImage {
     /// its mean (Karlik et al. 2019, "MIS Compensation"), with a share for the rest so that it also works alone.
     pub fn new(texture: &Texture) -> Self {
         let (width, height) = (texture.width(), texture.height());
-        let texel = |i: usize| texture.texel(i % width, i / width, Encoding::Linear).truncate();
-        let texels: Vec<Vec3> = (0..width * height).map(texel).collect();
+        let texel = |i: usize| texture.texel(i % width, i / width, Encoding::Linear);
+        let mut texels: Vec<Vec4> = (0..width * height).map(texel).collect();
         let sin = |y: usize| ((y as f32 + 0.5) / height as f32 * PI).sin();
         // Bilinear lookups reach into the neighbours: a cell has the mean of what it can show.
-        let strength: Vec<f32> = texels.iter().map(|t| t.element_sum().max(0.0)).collect();
+        let strength: Vec<f32> = texels.iter().map(|t| t.truncate().element_sum().max(0.0)).collect();
         let blend = |a: f32, b: f32, c: f32| 0.25 * a + 0.5 * b + 0.25 * c;
         let across = |x: usize, y: usize| {
             let row = &strength[y * width..(y + 1) * width];
@@ -63,16 +65,22 @@ impl SkyImage {
             weight += f64::from(sin(y)) * width as f64;
         }
         let mean = (sum / weight) as f32;
-        let weigh =
-            |(i, b): (usize, &f32)| (PLAIN_SHARE * b + (1.0 - PLAIN_SHARE) * (b - mean).max(0.0)) * sin(i / width);
-        let weights: Vec<f32> = blurred.iter().enumerate().map(weigh).collect();
-        let total: Vec3 = texels.iter().enumerate().map(|(i, texel)| *texel * sin(i / width)).sum();
+        let sines: Vec<f32> = (0..height).map(sin).collect();
+        let weigh = |x: usize, y: usize| {
+            let b = blurred[y * width + x];
+            (PLAIN_SHARE * b + (1.0 - PLAIN_SHARE) * (b - mean).max(0.0)) * sines[y]
+        };
+        let total: Vec3 = texels.iter().enumerate().map(|(i, texel)| texel.truncate() * sines[i / width]).sum();
+        let grid = Grid::new(width, height, weigh);
+        for (i, texel) in texels.iter_mut().enumerate() {
+            texel.w = grid.as_ref().map_or(0.0, |grid| grid.pdf(i % width, i / width));
+        }
         Self {
             width,
             height,
-            density: Grid::new(&weights, width),
-            mean: total / weight as f32,
             texels,
+            mean: total / weight as f32,
+            grid,
             tint: Source { rgb: Vec3::ONE, spectrum: 0 },
             to_image: Mat3::IDENTITY,
         }
@@ -84,50 +92,54 @@ impl SkyImage {
         self.to_image = Mat3::from_rotation_y(-rotation_deg.to_radians()) * turn.transpose();
     }
 
-    /// Bilinear; the image closes around the vertical axis.
-    fn at(&self, uv: [f32; 2]) -> Source {
-        let x = uv[0] * self.width as f32 + (self.width as f32 - 0.5);
+    /// Radiance, bilinear, and the density of the texel around the point; the image closes around the vertical axis.
+    #[inline]
+    fn at(&self, uv: [f32; 2]) -> (Source, f32) {
+        // At the middle of a texel to the right: its number.
+        let x = uv[0] * self.width as f32 + 0.5;
         let y = (uv[1] * self.height as f32 - 0.5).clamp(0.0, (self.height - 1) as f32);
-        let (x0, y0) = (x as usize, y as usize);
-        let (fx, fy) = (x - x0 as f32, y - y0 as f32);
-        let (left, right) = (x0 % self.width, (x0 + 1) % self.width);
+        let (x1, y0) = (x as usize, y as usize);
+        let (fx, fy) = (x - x1 as f32, y - y0 as f32);
+        let left = if x1 == 0 { self.width - 1 } else { x1 - 1 };
+        let right = if x1 == self.width { 0 } else { x1 };
         let row = |y: usize| {
             let row = &self.texels[y * self.width..(y + 1) * self.width];
-            row[left].lerp(row[right], fx)
+            [row[left], row[right]]
         };
-        let texel = row(y0).lerp(row((y0 + 1).min(self.height - 1)), fy);
-        Source { rgb: texel * self.tint.rgb, ..self.tint }
+        let [above, below] = [row(y0), row((y0 + 1).min(self.height - 1))];
+        let nearer = if fy < 0.5 { above } else { below };
+        let density = if fx < 0.5 { nearer[0] } else { nearer[1] }.w;
+        let texel = above[0].lerp(above[1], fx).lerp(below[0].lerp(below[1], fx), fy);
+        (Source { rgb: texel.truncate() * self.tint.rgb, ..self.tint }, density)
     }
 
-    fn uv(&self, toward: Vec3) -> [f32; 2] {
+    /// Where on the image a direction lies, and its sine to the vertical axis.
+    fn uv(&self, toward: Vec3) -> ([f32; 2], f32) {
         let d = self.to_image * toward;
-        let u = d.x.atan2(-d.z) / TAU;
+        let u = atan2(d.x, -d.z) / TAU;
         // The arc cosine has no digits left near the poles.
         let sin = (d.x * d.x + d.z * d.z).sqrt();
-        [u - u.floor(), sin.atan2(d.y) * FRAC_1_PI]
+        ([u - u.floor(), atan2(sin, d.y) * FRAC_1_PI], sin)
     }
 
     fn sample(&self, u: [f32; 2]) -> Option<(Vec3, f32, Source)> {
-        let (point, density) = self.density.as_ref()?.sample(u);
-        let (sin_theta, cos_theta) = (point[1] * PI).sin_cos();
+        let (point, density) = self.grid.as_ref()?.sample(u);
+        let (sin_theta, cos_theta) = sin_cos_turn(0.5 * point[1]);
         if sin_theta <= 0.0 {
             return None;
         }
-        let (sin_phi, cos_phi) = (point[0] * TAU).sin_cos();
+        let (sin_phi, cos_phi) = sin_cos_turn(point[0]);
         let direction = Vec3::new(sin_theta * sin_phi, cos_theta, -sin_theta * cos_phi);
         let pdf = density / (2.0 * PI * PI * sin_theta);
-        Some((self.to_image.transpose() * direction, pdf, self.at(point)))
+        Some((self.to_image.transpose() * direction, pdf, self.at(point).0))
     }
 
     /// What comes from a direction, and the density of drawing it.
     fn seen(&self, toward: Vec3) -> (Source, f32) {
-        let uv = self.uv(toward);
-        let sin_theta = (uv[1] * PI).sin();
-        let pdf = match &self.density {
-            Some(density) if sin_theta > 0.0 => density.pdf(uv) / (2.0 * PI * PI * sin_theta),
-            _ => 0.0,
-        };
-        (self.at(uv), pdf)
+        let (uv, sin_theta) = self.uv(toward);
+        let (source, density) = self.at(uv);
+        let pdf = if sin_theta > 0.0 { density / (2.0 * PI * PI * sin_theta) } else { 0.0 };
+        (source, pdf)
     }
 }
 
