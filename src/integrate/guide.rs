@@ -16,13 +16,13 @@ use crate::mode::Mode;
 use crate::scene::Scene;
 
 /// Cones of a leaf.
-const CONES: usize = 16;
+const CONES: usize = 64;
 /// Narrowest cone, as 1 - cos of its half angle: 0.8 degrees.
 const NARROW: f32 = 1e-4;
 /// Below so many photons there is nothing worth looking for.
 const FEW: usize = 64;
 /// Photons that a leaf is made of, at most.
-const ENOUGH: usize = 8 * CONES;
+const ENOUGH: usize = 3 * CONES;
 /// The chance to follow photons where nothing but thrown light arrives.
 const MOST: f32 = 0.8;
 /// Thrown light counts as much as these shares of the light that comes straight from lamps, and of that from other surfaces
