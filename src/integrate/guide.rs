@@ -8,6 +8,7 @@
 use std::f32::consts::FRAC_1_PI;
 
 use glam::{Mat3, Vec3};
+use rayon::prelude::*;
 
 use super::photons::{self, Photon};
 use crate::math::warp::{cauchy_pdf, square_to_cauchy};
@@ -33,13 +34,12 @@ const INDIRECT_SHARE: f32 = 0.3;
 const WORTHWHILE: f32 = 0.05;
 /// The cone of a point reaches to so many neighbours.
 const NEIGHBOUR: usize = 3;
-/// In place of a leaf.
-const EMPTY: u32 = u32::MAX;
 
 /// The photons of a scene, sorted by where they landed.
 pub struct Guide {
     nodes: Vec<Node>,
-    leaves: Vec<Leaf>,
+    /// `None` where asking is not worth it.
+    leaves: Vec<Option<Leaf>>,
 }
 
 #[derive(Clone, Copy)]
@@ -72,40 +72,14 @@ impl Guide {
     /// Sends `count` photons into the scene; `None` where mirrors and lenses throw next to no light.
     pub fn new<M: Mode>(scene: &Scene<M>, count: u32) -> Option<Self> {
         let photons = photons::trace(scene, count);
-        if photons.len() < FEW {
-            return None;
-        }
-        let mut guide = Self { nodes: Vec::new(), leaves: Vec::new() };
-        guide.split(&photons);
-        Some(guide)
+        (photons.len() >= FEW).then(|| Self::of(photons))
     }
 
-    fn split(&mut self, photons: &[Photon]) {
-        let (low, high) = extent(photons.iter().map(|photon| photon.position));
-        // Photons that a rounding error separates cannot be split.
-        if photons.len() <= ENOUGH || (high - low).max_element() <= 1e-5 * high.abs().max(low.abs()).max_element() {
-            let leaf = Leaf::new(photons, low, high);
-            if leaf.chance < WORTHWHILE {
-                self.nodes.push(Node::Leaf(EMPTY));
-            } else {
-                self.nodes.push(Node::Leaf(self.leaves.len() as u32));
-                self.leaves.push(leaf);
-            }
-            return;
-        }
-        let axis = (high - low).max_position();
-        let at = 0.5 * (low[axis] + high[axis]);
-        let (below, above): (Vec<Photon>, Vec<Photon>) = photons.iter().partition(|photon| photon.position[axis] < at);
-        let node = self.nodes.len();
-        self.nodes.push(Node::Leaf(EMPTY));
-        let leaves = self.leaves.len();
-        self.split(&below);
-        self.nodes[node] = Node::Split { axis: axis as u8, at, above: self.nodes.len() as u32 };
-        self.split(&above);
-        if leaves == self.leaves.len() {
-            self.nodes.truncate(node);
-            self.nodes.push(Node::Leaf(EMPTY));
-        }
+    fn of(photons: Vec<Photon>) -> Self {
+        let (mut nodes, mut crowds) = (Vec::new(), Vec::new());
+        split(photons, &mut nodes, &mut crowds);
+        let leaf = |photons: Vec<Photon>| Some(Leaf::new(&photons)).filter(|leaf| leaf.chance >= WORTHWHILE);
+        Self { nodes, leaves: crowds.into_par_iter().map(leaf).collect() }
     }
 
     /// What is known about light that is thrown to a point.
@@ -118,7 +92,7 @@ impl Guide {
                     node = if position[axis as usize] < at { node + 1 } else { above as usize };
                 }
                 Node::Leaf(leaf) => {
-                    let leaf = self.leaves.get(leaf as usize)?;
+                    let leaf = self.leaves.get(leaf as usize)?.as_ref()?;
                     let inside = position.cmpge(leaf.low).all() && position.cmple(leaf.high).all();
                     return inside.then_some(leaf);
                 }
@@ -127,8 +101,28 @@ impl Guide {
     }
 }
 
+/// Adds the nodes over some photons, and to `crowds` what each of their leaves is made of.
+fn split(photons: Vec<Photon>, nodes: &mut Vec<Node>, crowds: &mut Vec<Vec<Photon>>) {
+    let (low, high) = extent(photons.iter().map(|photon| photon.position));
+    // Photons that a rounding error separates cannot be split.
+    if photons.len() <= ENOUGH || (high - low).max_element() <= 1e-5 * high.abs().max(low.abs()).max_element() {
+        nodes.push(Node::Leaf(crowds.len() as u32));
+        crowds.push(photons);
+        return;
+    }
+    let axis = (high - low).max_position();
+    let at = 0.5 * (low[axis] + high[axis]);
+    let (below, above): (Vec<Photon>, Vec<Photon>) = photons.into_iter().partition(|photon| photon.position[axis] < at);
+    let node = nodes.len();
+    nodes.push(Node::Leaf(0));
+    split(below, nodes, crowds);
+    nodes[node] = Node::Split { axis: axis as u8, at, above: nodes.len() as u32 };
+    split(above, nodes, crowds);
+}
+
 impl Leaf {
-    fn new(photons: &[Photon], low: Vec3, high: Vec3) -> Self {
+    fn new(photons: &[Photon]) -> Self {
+        let (low, high) = extent(photons.iter().map(|photon| photon.position));
         let count = photons.len() as f32;
         let power: f32 = photons.iter().map(|photon| photon.power).sum();
         let easy = photons.iter().map(|p| DIRECT_SHARE * p.direct + INDIRECT_SHARE * p.indirect).sum::<f32>() / count;
@@ -149,8 +143,7 @@ impl Leaf {
         // Widen each to its neighbours.
         let radius2 = points.map(|point| {
             let mut distances2 = points.map(|other| point.distance_squared(other));
-            distances2.sort_unstable_by(f32::total_cmp);
-            distances2[NEIGHBOUR]
+            *distances2.select_nth_unstable_by(NEIGHBOUR, f32::total_cmp).1
         });
 
         let size = high - low;
@@ -234,8 +227,9 @@ fn drift(photons: &[Photon]) -> Mat3 {
         let offset = thrown - drift * landed;
         let mut misses: Vec<f32> =
             photons.iter().map(|p| (p.thrower - drift * p.position - offset).length_squared()).collect();
-        misses.sort_unstable_by(f32::total_cmp);
-        fit = Some((drift, offset, 4.0 * misses[misses.len() / 2]));
+        let middle = misses.len() / 2;
+        let (_, median, _) = misses.select_nth_unstable_by(middle, f32::total_cmp);
+        fit = Some((drift, offset, 4.0 * *median));
     }
     fit.map(|(drift, ..)| drift).filter(Mat3::is_finite).unwrap_or(Mat3::ZERO)
 }
@@ -269,9 +263,7 @@ mod tests {
     }
 
     fn guide() -> Guide {
-        let mut guide = Guide { nodes: Vec::new(), leaves: Vec::new() };
-        guide.split(&photons());
-        guide
+        Guide::of(photons())
     }
 
     #[test]
@@ -300,7 +292,7 @@ mod tests {
             Photon { thrower, direct: 0.0, ..photon }
         };
         let wide: Vec<Photon> = photons().into_iter().zip(0..).map(|(photon, i)| from_all_around(photon, i)).collect();
-        let chance = |photons: &[Photon]| Leaf::new(photons, Vec3::ZERO, Vec3::ONE).chance;
+        let chance = |photons: &[Photon]| Leaf::new(photons).chance;
         assert!(chance(&photons()) > 0.5, "{}", chance(&photons()));
         assert!(chance(&wide) < 0.5 * chance(&photons()), "{}", chance(&wide));
     }
