@@ -289,6 +289,18 @@ fn all_strategies_see_the_same_picture() {
     assert_same_picture(&mis, &bsdf, "mis and bsdf");
 }
 
+/// On a floor so wide that rays leave it from a little above, shared finds lie closer to their viewers than that.
+#[test]
+fn finds_are_shared_fairly_where_surfaces_touch() {
+    let mut scene = Builder::seen_from(Vec3::new(0.0, 0.25, 2.0), 30.0);
+    scene.floor(Vec3::ZERO, 1000.0, diffuse(0.6));
+    scene.sphere(Vec3::new(0.0, 0.5, 0.0), 0.5, diffuse(0.8));
+    scene.light(Mat4::IDENTITY, LightKind::Directional { angle_deg: 10.0 }, Vec3::ONE);
+    scene.sky(0.3);
+    let [mis, shared] = [Strategy::Mis, Strategy::Shared].map(|strategy| scene.render(32, 1024, 3, strategy, 0));
+    assert_same_picture(&mis, &shared, "mis and shared");
+}
+
 #[test]
 fn grey_scenes_look_alike_in_rgb_and_spectral() {
     // Without films and colours every wavelength does what every channel does.

@@ -199,13 +199,15 @@ pub(super) fn hand_out<M: Mode>(
     let mut onward_densities = [0.0; GROUP];
     let mut rays = [Ray::NONE; GROUP];
     let mut doubtful = 0u8;
+    // Rays start beside x and end beside y: near where surfaces touch, a ray to y itself would be stopped by it for those
+    // who are close, and they would be left out.
+    let target = y.surface.leave(y.frame.to_world(y.wo));
     let (mut finders_share, mut finders_turn) = (1.0, 1.0);
     for (k, post) in posts.iter().enumerate() {
         let Some(x) = post.x.as_ref().filter(|_| post.bounce == *bounce) else { continue };
         let offset = y.surface.position - x.surface.position;
         let distance2 = offset.length_squared();
-        let distance_m = distance2.sqrt();
-        let wi = offset * (1.0 / distance_m);
+        let wi = offset * (1.0 / distance2.sqrt());
         if !y.looks_the_same(-wi) {
             continue;
         }
@@ -229,7 +231,10 @@ pub(super) fn hand_out<M: Mode>(
         if k == finder {
             (finders_share, finders_turn) = (pdf / x.density(wi, pdf), turn_pdf);
         } else {
-            rays[k] = Ray { tfar: distance_m * (1.0 - GAP), ..Ray::new(x.surface.leave(wi), wi) };
+            let origin = x.surface.leave(wi);
+            let way = target - origin;
+            let length_m = way.length();
+            rays[k] = Ray { tfar: length_m * (1.0 - GAP), ..Ray::new(origin, way * (1.0 / length_m)) };
             doubtful |= 1 << k;
         }
     }
