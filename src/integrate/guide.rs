@@ -1,5 +1,6 @@
 //! Where to look for light that mirrors and lenses throw: a caustic is bright, small, and a scattered ray finds the way to
-//! it by luck alone. So matte surfaces send some of their rays to where photons came from.
+//! it by luck alone. What it lights is as hard to find again. So matte surfaces send some of their rays to where photons came
+//! from.
 //!
 //! A tree over the places where photons landed; each leaf keeps the points that threw them, with a cone around each. What it
 //! says is only a density to sample with, known exactly for every direction: pictures keep their means, whatever the photons

@@ -35,7 +35,8 @@ pub(super) struct Photon {
     pub indirect: f32,
 }
 
-/// Sends out `count` photons towards mirrors and lenses; those that are thrown onto a surface of another kind come back.
+/// Sends out `count` photons towards mirrors and lenses; those that are thrown onto a surface of another kind come back, and
+/// again where it scatters them to.
 /// They tell where to look for light, not how much there is: how radiance and importance differ at crossed surfaces does
 /// not matter here.
 pub(super) fn trace<M: Mode>(scene: &Scene<M>, count: u32) -> Vec<Photon> {
@@ -51,22 +52,19 @@ pub(super) fn trace<M: Mode>(scene: &Scene<M>, count: u32) -> Vec<Photon> {
         reach.push(total_m2);
     }
     let shot = |index: u32| {
-        let mut photons = ArrayVec::<Photon, LANDINGS>::new();
         let mut sampler = Sampler::new(0, index, SEED);
         let [u_caster, u_wave, u_x, u_y] = sampler.next_4d();
         let at = reach.partition_point(|&sum| sum <= u_caster * total_m2);
         let caster = &casters[at.min(casters.len() - 1)];
         let waves = M::waves(u_wave);
         let area_m2 = std::f32::consts::PI * total_m2;
-        if let Some((ray, power)) = emit(scene, caster, [u_x, u_y], &mut sampler, &waves) {
-            follow(scene, ray, power * (area_m2 / count as f32), sampler, &waves, &mut photons);
-        }
-        photons
+        let (ray, power) = emit(scene, caster, [u_x, u_y], &mut sampler, &waves)?;
+        Some(follow(scene, ray, power * (area_m2 / count as f32), sampler, &waves))
     };
     let counts = |photon: &Photon| {
         photon.power > 0.0 && photon.power.is_finite() && (photon.direct + photon.indirect).is_finite()
     };
-    (0..count).into_par_iter().flat_map_iter(shot).filter(counts).collect()
+    (0..count).into_par_iter().filter_map(shot).flatten_iter().filter(counts).collect()
 }
 
 /// A ray from a lamp through the disc that a caster shows it, and the irradiance there.
@@ -92,19 +90,19 @@ fn emit<M: Mode>(
     Some((Ray::new(aim + light.wi * low.distance(high), -light.wi), irradiance))
 }
 
-/// Follows a photon until it is lost or has landed often enough; `None` then.
+/// Follows a photon until it is lost or has landed often enough.
 fn follow<M: Mode>(
     scene: &Scene<M>,
     mut ray: Ray,
     mut power: f32,
     mut sampler: Sampler,
     waves: &M::Waves,
-    photons: &mut ArrayVec<Photon, LANDINGS>,
-) -> Option<()> {
+) -> ArrayVec<Photon, LANDINGS> {
+    let mut photons = ArrayVec::new();
     let mut thrower = None;
     let mut interior = Interior::AIR;
     for _ in 0..MAX_SURFACES {
-        let mut surface = scene.intersect(&ray)?;
+        let Some(mut surface) = scene.intersect(&ray) else { break };
         let [u_x, u_y, u_lobe, u_hole] = sampler.next_4d();
         let (material, beyond) = scene.meet(&ray, &mut surface, &interior);
         let there = material.filter(|material| u_hole < material.coverage(&surface, scene.textures()));
@@ -115,15 +113,16 @@ fn follow<M: Mode>(
         };
         let vertex = Vertex::new(scene, (surface, material), -ray.dir, [interior, beyond], waves);
         if !throws(&vertex) {
-            let (position, thrower) = (vertex.surface.position, thrower?);
+            let position = vertex.surface.position;
+            let Some(thrower) = thrower else { break };
             let direct = direct(scene, &vertex, &mut sampler, waves);
             let indirect = indirect(scene, &vertex, &mut sampler, waves);
             photons.push(Photon { position, thrower, power, direct, indirect });
             if photons.is_full() {
-                return None;
+                break;
             }
         }
-        let sample = vertex.bsdf.sample(vertex.wo, [u_lobe, u_x, u_y], waves)?;
+        let Some(sample) = vertex.bsdf.sample(vertex.wo, [u_lobe, u_x, u_y], waves) else { break };
         let wi = vertex.frame.to_world(sample.wi);
         power *= sample.weight.mean();
         if !matches!(sample.pdf, Pdf::Through(_)) {
@@ -134,7 +133,7 @@ fn follow<M: Mode>(
         }
         ray = Ray::new(vertex.surface.leave(wi), wi);
     }
-    None
+    photons
 }
 
 /// True for mirrors and lenses; photons land on the others.

@@ -46,7 +46,7 @@ impl SkyImage {
         let (width, height) = (texture.width(), texture.height());
         let texel = |i: usize| texture.texel(i % width, i / width, Encoding::Linear);
         let mut texels: Vec<Vec4> = (0..width * height).map(texel).collect();
-        let sin = |y: usize| ((y as f32 + 0.5) / height as f32 * PI).sin();
+        let sines: Vec<f32> = (0..height).map(|y| ((y as f32 + 0.5) / height as f32 * PI).sin()).collect();
         // Bilinear lookups reach into the neighbours: a cell has the mean of what it can show.
         let strength: Vec<f32> = texels.iter().map(|t| t.truncate().element_sum().max(0.0)).collect();
         let blend = |a: f32, b: f32, c: f32| 0.25 * a + 0.5 * b + 0.25 * c;
@@ -61,11 +61,10 @@ impl SkyImage {
         }
         let (mut sum, mut weight) = (0.0f64, 0.0f64);
         for (y, row) in blurred.chunks_exact(width).enumerate() {
-            sum += f64::from(sin(y)) * row.iter().map(|&b| f64::from(b)).sum::<f64>();
-            weight += f64::from(sin(y)) * width as f64;
+            sum += f64::from(sines[y]) * row.iter().map(|&b| f64::from(b)).sum::<f64>();
+            weight += f64::from(sines[y]) * width as f64;
         }
         let mean = (sum / weight) as f32;
-        let sines: Vec<f32> = (0..height).map(sin).collect();
         let weigh = |x: usize, y: usize| {
             let b = blurred[y * width + x];
             (PLAIN_SHARE * b + (1.0 - PLAIN_SHARE) * (b - mean).max(0.0)) * sines[y]
