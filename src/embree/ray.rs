@@ -4,6 +4,9 @@ use glam::Vec3;
 
 use super::layout::{INVALID_ID, LEVELS, RTCHit, RTCRay, RTCRayHit};
 
+/// Of its length, what a ray between two points leaves out at its end.
+const GAP: f32 = 1e-4;
+
 /// The points `origin + t * dir` with t in `tnear..=tfar`. `dir` need not have unit length: t counts in its length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
@@ -23,6 +26,14 @@ impl Ray {
     #[inline]
     pub fn new(origin: Vec3, dir: Vec3) -> Self {
         Self { origin, dir, tnear: 0.0, tfar: f32::INFINITY }
+    }
+
+    /// From one point to shortly before another, neither on what it could wrongly be stopped by: leave both surfaces first.
+    #[inline]
+    pub fn between(from: Vec3, to: Vec3) -> Self {
+        let way = to - from;
+        let length = way.length();
+        Self { tfar: length * (1.0 - GAP), ..Self::new(from, way * (1.0 / length)) }
     }
 
     /// The point at `t`.

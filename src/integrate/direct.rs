@@ -8,9 +8,6 @@ use crate::embree::Ray;
 use crate::mode::{Lanes, Mode};
 use crate::scene::Scene;
 
-/// Shadow rays end this share of their length before the light's own surface.
-const SHADOW_GAP: f32 = 1e-4;
-
 /// A surface draws no more than 2^this sources of light at once.
 pub const MOST_DRAWS_LOG2: u32 = 2;
 
@@ -67,8 +64,10 @@ pub(super) fn direct_light<M: Mode>(
     tally.draws += 1;
     // Look at what stands between, where it may let some light pass.
     let origin = vertex.surface.leave(sample.wi);
-    let tfar = sample.distance_m * (1.0 - SHADOW_GAP);
-    let shadow = Ray { tfar, ..Ray::new(origin, sample.wi) };
+    let shadow = match sample.distance_m.is_finite() {
+        true => Ray::between(origin, vertex.surface.position + sample.wi * sample.distance_m),
+        false => Ray::new(origin, sample.wi),
+    };
     let interior = if wi.z * vertex.wo.z > 0.0 { &vertex.interior } else { &vertex.beyond };
     let (mut passed, mut chance) = (M::Light::ONE, 1.0);
     if scene.lets_through() {

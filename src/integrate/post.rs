@@ -25,9 +25,6 @@ use crate::embree::Ray;
 use crate::mode::{Lanes, Mode};
 use crate::scene::Scene;
 
-/// Visibility rays end this share of their length before the surface they look at.
-const GAP: f32 = 1e-4;
-
 /// Where one path of a group looks from, and what it found.
 pub(super) struct Post<'s, M: Mode> {
     progress: Progress,
@@ -231,10 +228,7 @@ pub(super) fn hand_out<M: Mode>(
         if k == finder {
             (finders_share, finders_turn) = (pdf / x.density(wi, pdf), turn_pdf);
         } else {
-            let origin = x.surface.leave(wi);
-            let way = target - origin;
-            let length_m = way.length();
-            rays[k] = Ray { tfar: length_m * (1.0 - GAP), ..Ray::new(origin, way * (1.0 / length_m)) };
+            rays[k] = Ray::between(x.surface.leave(wi), target);
             doubtful |= 1 << k;
         }
     }
