@@ -301,6 +301,42 @@ fn finds_are_shared_fairly_where_surfaces_touch() {
     assert_same_picture(&mis, &shared, "mis and shared");
 }
 
+/// Shadow rays leave a wide floor from a little above it, and aim at the very point that was drawn: one beside it could lie
+/// behind the lamp's own surface.
+#[test]
+fn a_lamp_that_stands_on_a_floor_lights_it_up_to_its_foot() {
+    let mut scene = Builder::seen_from(Vec3::new(0.0, 0.15, 3.5), 8.0);
+    scene.floor(Vec3::ZERO, 200.0, diffuse(0.6));
+    scene.sphere(Vec3::new(0.0, 1.0, 0.0), 1.0, shining(diffuse(0.0), 6.0));
+    let [lamp, ray] = [Strategy::Light, Strategy::Bsdf].map(|strategy| scene.render(40, 1024, 1, strategy, 0));
+    assert_same_picture(&lamp, &ray, "light and bsdf");
+}
+
+/// Lamps of all kinds, near and far from each other, under a sky: however they are chosen, nothing is lost.
+#[test]
+fn many_lamps_under_a_sky_look_alike_by_every_strategy() {
+    let mut scene = Builder::seen_from(Vec3::new(0.0, 1.5, 6.0), 50.0);
+    scene.floor(Vec3::ZERO, 5.0, diffuse(0.6));
+    scene.sphere(Vec3::new(0.0, 0.5, 1.0), 0.5, metal(1.5, 3.0, 0.3));
+    for k in 0..12 {
+        let (sin, cos) = (k as f32 * 0.9).sin_cos();
+        let at = Vec3::new(3.0 * cos, 0.3 + 0.1 * k as f32, 2.0 * sin);
+        match k % 3 {
+            0 => scene.sphere(at, 0.15, shining(diffuse(0.0), 3.0)),
+            1 => scene.floor(at, 0.2, shining(diffuse(0.3), 2.0)),
+            _ => {
+                let kind = LightKind::Area { shape: AreaShape::Disk, presence: Presence::Solid };
+                scene.light(Mat4::from_translation(at), kind, Vec3::splat(2.0));
+            }
+        }
+    }
+    scene.sky(0.1);
+    scene.light(Mat4::from_rotation_x(-1.0), LightKind::Directional { angle_deg: 20.0 }, Vec3::splat(0.3));
+    let all = [Strategy::Mis, Strategy::Bsdf, Strategy::Light].map(|strategy| scene.render(32, 1024, 3, strategy, 0));
+    assert_same_picture(&all[0], &all[1], "mis and bsdf");
+    assert_same_picture(&all[0], &all[2], "mis and light");
+}
+
 #[test]
 fn grey_scenes_look_alike_in_rgb_and_spectral() {
     // Without films and colours every wavelength does what every channel does.

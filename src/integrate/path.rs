@@ -104,7 +104,8 @@ impl<M: Mode> Path<M> {
                 return Arrival::End;
             }
             let (scattered, mut sky) = (self.scattered, M::Light::ZERO);
-            scene.escape(self.ray.dir, &self.waves, |light, light_pdf| {
+            let from = scattered.map_or(self.ray.origin, |(from, _)| from);
+            scene.escape(from, self.ray.dir, &self.waves, |light, light_pdf| {
                 sky += light * hit_weight(scattered.map(|(_, pdf)| (pdf, light_pdf)), limits);
             });
             self.run_into(sky);

@@ -20,7 +20,7 @@ pub fn seen_light<M: Mode>(
         Some(_) => M::Light::ZERO,
         None => {
             let mut sum = M::Light::ZERO;
-            scene.escape(rays[i].dir, waves, |light, _| sum += light);
+            scene.escape(rays[i].origin, rays[i].dir, waves, |light, _| sum += light);
             sum
         }
     })

@@ -109,7 +109,7 @@ impl<'s, M: Mode> Looker<'s, M> {
                 return false;
             }
             let mut sky = M::Light::ZERO;
-            scene.escape(look.ray.dir, &look.waves, |light, _| sky += light);
+            scene.escape(look.ray.origin, look.ray.dir, &look.waves, |light, _| sky += light);
             look.clue = Clue { albedo: self.shown(look, sky), normal: Vec3::ZERO };
             return false;
         };

@@ -61,8 +61,8 @@ pub(super) struct Assembly<'a> {
     pub emitters: Vec<Emitter>,
     /// The distinct spectra of all lights.
     pub spectra: Vec<(Emission, usize)>,
-    /// One weight per emitter; NaN marks distant ones, which are weighed when the scene's size is known.
-    pub power: Vec<f32>,
+    /// Of each emitter, as [`Lights::new`](super::Lights::new) takes it.
+    pub strength: Vec<f32>,
 }
 
 impl<'a> Assembly<'a> {
@@ -79,7 +79,7 @@ impl<'a> Assembly<'a> {
             glows: Vec::new(),
             emitters: Vec::new(),
             spectra: Vec::new(),
-            power: Vec::new(),
+            strength: Vec::new(),
         }
     }
 
@@ -111,8 +111,8 @@ impl<'a> Assembly<'a> {
             }
             None => Sky::Constant(tint),
         };
+        self.strength.push(sky.irradiance());
         self.emitters.push(Emitter::Sky(sky));
-        self.power.push(f32::NAN);
         Ok(())
     }
 

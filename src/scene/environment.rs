@@ -165,12 +165,12 @@ impl Sky {
         }
     }
 
-    /// Mean radiance over the sphere, for choosing between lights.
-    pub fn strength(&self) -> f32 {
-        match self {
-            Self::Constant(source) => source.strength(),
-            Self::Hemisphere(source) => 0.5 * source.strength(),
+    /// Irradiance on a surface that all of it shines on, were it even; mean over the colours. For choosing between lights.
+    pub fn irradiance(&self) -> f32 {
+        let radiance = match self {
+            Self::Constant(source) | Self::Hemisphere(source) => source.strength(),
             Self::Image(image) => (image.mean * image.tint.rgb).element_sum() / 3.0,
-        }
+        };
+        PI * radiance
     }
 }

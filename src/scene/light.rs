@@ -5,11 +5,11 @@ use std::f32::consts::PI;
 
 use glam::{Affine3A, Vec3};
 
+use super::beam::Beam;
 use super::environment::Sky;
 use super::surface::Surface;
 use crate::document::{Falloff, SpotEdge};
 use crate::math::Frame;
-use crate::math::distribution::Alias;
 use crate::math::warp::{cone_pdf, square_to_cone, square_to_disk, square_to_sphere, square_to_triangle};
 
 /// One source that light sampling can choose.
@@ -106,79 +106,45 @@ pub enum LightAt {
     Surface { place: u32, material: u32, prim: u32, barycentric: [f32; 2], cos: f32 },
 }
 
-/// All lights of a scene, and how they are chosen.
-pub struct Lights {
-    pub emitters: Vec<Emitter>,
-    /// By power.
-    choice: Option<Alias>,
-    /// Emitters that a ray which leaves the scene can see.
-    distant: Vec<u32>,
-}
-
-impl Lights {
-    /// `power` gives one weight per emitter.
-    pub fn new(emitters: Vec<Emitter>, power: &[f32]) -> Self {
-        let is_distant = |e: &Emitter| match e {
-            Emitter::Sky(_) => true,
-            Emitter::Directional { one_minus_cos, .. } => *one_minus_cos > 0.0,
-            _ => false,
-        };
-        let distant = (0u32..).zip(&emitters).filter(|(_, e)| is_distant(e)).map(|(i, _)| i).collect();
-        Self { choice: Alias::new(power), emitters, distant }
-    }
-
-    /// Chooses a light and a direction towards it from `from`; `None` when there is none or it faces away.
-    pub fn sample(&self, from: Vec3, u: [f32; 3]) -> Option<LightSample> {
-        let (index, probability) = self.choice.as_ref()?.sample(u[0]);
-        let mut sample = self.emitters[index].sample(from, [u[1], u[2]])?;
-        sample.pdf *= probability;
-        Some(sample)
-    }
-
-    /// The density with which [`Lights::sample`] would have drawn the direction from `from` to this point of an emitting
-    /// surface.
-    pub fn surface_pdf(&self, from: Vec3, surface: &Surface) -> f32 {
-        let index = surface.emitter as usize;
-        let Some(choice) = &self.choice else { return 0.0 };
-        let offset = surface.position - from;
-        let pdf = match &self.emitters[index] {
-            Emitter::Triangle(triangle) => {
-                let distance2 = offset.length_squared();
-                let cos = (offset.dot(triangle.normal) / distance2.sqrt()).abs();
-                distance2 / (cos * triangle.area_m2)
-            }
-            Emitter::Sphere(sphere) => sphere.pdf(from, surface),
-            _ => 0.0,
-        };
-        pdf * choice.probability(index)
-    }
-
-    /// Calls `add` with radiance and light-sampling density of each distant light that lies in direction `toward`.
-    pub fn escape(&self, toward: Vec3, mut add: impl FnMut(Source, f32)) {
-        let Some(choice) = &self.choice else { return };
-        for &index in &self.distant {
-            let seen = match &self.emitters[index as usize] {
-                Emitter::Sky(sky) => Some(sky.seen(toward)),
-                Emitter::Directional { toward: axis, one_minus_cos, irradiance } => {
-                    let inside = 1.0 - axis.dot(toward) <= *one_minus_cos;
-                    inside.then(|| (disc_radiance(irradiance, *one_minus_cos), cone_pdf(*one_minus_cos)))
-                }
-                _ => None,
-            };
-            if let Some((radiance, pdf)) = seen {
-                add(radiance, pdf * choice.probability(index as usize));
-            }
-        }
-    }
-}
-
 /// Radiance of a disc of directions that gives this irradiance: E / (pi sin^2).
-fn disc_radiance(irradiance: &Source, one_minus_cos: f32) -> Source {
+pub(super) fn disc_radiance(irradiance: &Source, one_minus_cos: f32) -> Source {
     irradiance.scaled(1.0 / (PI * one_minus_cos * (2.0 - one_minus_cos)))
 }
 
 impl Emitter {
-    fn sample(&self, from: Vec3, u: [f32; 2]) -> Option<LightSample> {
+    /// What it sends into the scene, if it has a place there and fades with the distance. `strength`: greatest intensity, mean over
+    /// the colours.
+    pub(super) fn beam(&self, strength: f32) -> Option<Beam> {
+        match self {
+            Self::Triangle(triangle) => Some(triangle.beam(strength)),
+            Self::Sphere(Sphere { center, radius, .. }) => {
+                Some(Beam::all_around(*center - *radius, *center + *radius, strength))
+            }
+            Self::Point { position, falloff, .. } => {
+                Some(Beam::all_around(*position, *position, strength * fading(*falloff)?))
+            }
+            Self::Spot(spot) => Some(Beam {
+                low: spot.position - spot.radius_m,
+                high: spot.position + spot.radius_m,
+                axis: spot.axis,
+                half_angle: 0.0,
+                spread: spot.cos_half_cone.acos(),
+                two_sided: false,
+                intensity: strength * fading(spot.falloff)?,
+            }),
+            Self::Directional { .. } | Self::Sky(_) => None,
+        }
+    }
+
+    /// Irradiance from a light without a [`Emitter::beam`], of this strength, in a scene of this size; mean over the colours.
+    pub(super) fn far_irradiance(&self, strength: f32, size_m: f32) -> f32 {
+        match self {
+            Self::Point { falloff, .. } | Self::Spot(Spot { falloff, .. }) => strength * attenuation(*falloff, size_m),
+            _ => strength,
+        }
+    }
+
+    pub(super) fn sample(&self, from: Vec3, u: [f32; 2]) -> Option<LightSample> {
         match self {
             Self::Triangle(triangle) => triangle.sample(from, u),
             Self::Sphere(sphere) => sphere.sample(from, u),
@@ -224,6 +190,21 @@ impl Triangle {
         Self { place, material, prim, corner, edges, normal, area_m2: 0.5 * cross.length(), two_sided, hidden }
     }
 
+    fn beam(&self, intensity: f32) -> Beam {
+        let corners = [self.corner, self.corner + self.edges[0], self.corner + self.edges[1]];
+        let [low, high] =
+            [Vec3::min, Vec3::max].map(|of: fn(Vec3, Vec3) -> Vec3| of(of(corners[0], corners[1]), corners[2]));
+        let Self { normal: axis, two_sided, .. } = *self;
+        Beam { low, high, axis, half_angle: 0.0, spread: 0.5 * PI, two_sided, intensity }
+    }
+
+    /// Density in 1/sr of the direction from a point to another, which lies on the triangle.
+    pub(super) fn pdf(&self, offset: Vec3) -> f32 {
+        let distance2 = offset.length_squared();
+        let cos = (offset.dot(self.normal) / distance2.sqrt()).abs();
+        distance2 / (cos * self.area_m2)
+    }
+
     fn sample(&self, from: Vec3, u: [f32; 2]) -> Option<LightSample> {
         let barycentric = square_to_triangle(u);
         let point = self.corner + self.edges[0] * barycentric[0] + self.edges[1] * barycentric[1];
@@ -253,6 +234,15 @@ impl Spot {
                 t * t * (3.0 - 2.0 * t)
             }
         }
+    }
+}
+
+/// What to take the intensity times to have irradiance over the square of the distance; `None` where light fades otherwise.
+fn fading(falloff: Falloff) -> Option<f32> {
+    match falloff {
+        Falloff::Physical => Some(1.0),
+        Falloff::Attenuation { constant: 0.0, linear: 0.0, quadratic } if quadratic > 0.0 => Some(1.0 / quadratic),
+        Falloff::Attenuation { .. } => None,
     }
 }
 
@@ -296,7 +286,7 @@ impl Sphere {
         Some(LightSample { wi, distance_m, light, pdf: cone_pdf(one_minus_cos), alone: hidden })
     }
 
-    fn pdf(&self, from: Vec3, surface: &Surface) -> f32 {
+    pub(super) fn pdf(&self, from: Vec3, surface: &Surface) -> f32 {
         if let Some(one_minus_cos) = visible_cap(from.distance(self.center), self.radius) {
             return cone_pdf(one_minus_cos);
         }

@@ -53,8 +53,7 @@ pub(super) fn add_mesh_emitters(
         for prim in part.first..part.end {
             let corners = mesh.triangles[prim as usize].map(|i| to_world.transform_point3(mesh.positions[i as usize]));
             let triangle = Triangle::new((place, part.material, prim), corners, handedness, two_sided, hidden);
-            let sides = if two_sided { 2.0 } else { 1.0 };
-            assembly.power.push(PI * sides * triangle.area_m2 * strength);
+            assembly.strength.push(triangle.area_m2 * strength);
             assembly.emitters.push(Emitter::Triangle(triangle));
         }
     }
@@ -72,7 +71,7 @@ pub(super) fn add_sphere_emitter(
     let Some(glow) = assembly.glows[material as usize].as_ref() else { return u32::MAX };
     let strength = glow.strength();
     let emitter = assembly.emitters.len() as u32;
-    assembly.power.push(4.0 * PI * PI * radius * radius * strength);
+    assembly.strength.push(PI * radius * radius * strength);
     assembly.emitters.push(Emitter::Sphere(Sphere { place, material, center, radius, hidden }));
     emitter
 }
@@ -82,9 +81,9 @@ pub(super) fn place_light(assembly: &mut Assembly, placed: &PlacedLight) -> Resu
     let position = Vec3::from(to_world.translation);
     let intensity = assembly.source(light.color, &light.spectrum);
     let strength = light.color.element_sum() / 3.0;
-    let mut add = |emitter, power| {
+    let mut add = |emitter, strength| {
         assembly.emitters.push(emitter);
-        assembly.power.push(power);
+        assembly.strength.push(strength);
     };
     match light.kind {
         LightKind::Area { shape, presence } => place_area(assembly, placed, shape, presence, light.color)?,
@@ -96,21 +95,25 @@ pub(super) fn place_light(assembly: &mut Assembly, placed: &PlacedLight) -> Resu
             place_area(assembly, &placed, AreaShape::Sphere, Presence::Ghost, radiance)?;
         }
         LightKind::Point { falloff, .. } => {
-            add(Emitter::Point { position, intensity, falloff }, 4.0 * PI * strength);
+            add(Emitter::Point { position, intensity, falloff }, strength);
         }
         LightKind::Spot { cone_deg, edge, radius_m, falloff } => {
             let cos_half_cone = (0.5 * cone_deg.to_radians()).cos();
             let axis = light::shining_direction(to_world);
             let spot = Spot { position, radius_m, axis, cos_half_cone, edge, intensity, falloff };
-            add(Emitter::Spot(spot), 2.0 * PI * (1.0 - cos_half_cone) * strength);
+            add(Emitter::Spot(spot), strength);
         }
         LightKind::Directional { angle_deg } => {
             let half_angle = 0.5 * angle_deg.to_radians();
             let one_minus_cos = 2.0 * (0.5 * half_angle).sin().powi(2);
             let toward = -light::shining_direction(to_world);
-            add(Emitter::Directional { toward, one_minus_cos, irradiance: intensity }, f32::NAN);
+            add(Emitter::Directional { toward, one_minus_cos, irradiance: intensity }, strength);
         }
-        LightKind::Ambient => add(Emitter::Sky(Sky::Hemisphere(intensity)), f32::NAN),
+        LightKind::Ambient => {
+            let sky = Sky::Hemisphere(intensity);
+            let strength = sky.irradiance();
+            add(Emitter::Sky(sky), strength);
+        }
     }
     Ok(())
 }
@@ -177,16 +180,4 @@ fn disk() -> Mesh {
     }));
     let triangles = (0..DISK_SIDES).map(|k| [0, 1 + (k + 1) % DISK_SIDES, 1 + k]).collect();
     Mesh { positions, triangles, ..Mesh::default() }
-}
-
-/// Weighs parallel light and skies by what they send onto the scene's bounding sphere.
-pub(super) fn weigh_distant(emitters: &[Emitter], power: &mut [f32], bounds: (Vec3, Vec3)) {
-    let radius2 = 0.25 * (bounds.1 - bounds.0).length_squared();
-    for (emitter, power) in emitters.iter().zip(power) {
-        match emitter {
-            Emitter::Directional { irradiance, .. } => *power = PI * radius2 * irradiance.strength(),
-            Emitter::Sky(sky) => *power = 4.0 * PI * PI * radius2 * sky.strength(),
-            _ => {}
-        }
-    }
 }

@@ -16,8 +16,8 @@ const VERTEX_BYTES: u64 = 24;
 const UV_BYTES: u64 = 8;
 /// Embree's instance and its share of the BVH over instances.
 const INSTANCE_BYTES: u64 = 1000;
-/// What drawing a light by its power takes besides the light.
-const CHOICE_BYTES: u64 = 16;
+/// What drawing a light takes besides the light: two nodes of the tree, and what they are made from.
+const CHOICE_BYTES: u64 = 240;
 
 /// What is left of `limit` bytes once the scene's shapes and lights are built.
 ///

@@ -4,12 +4,15 @@
 //! materials, compiled for one colour mode.
 
 mod assembly;
+mod beam;
 mod camera;
 mod caster;
 mod environment;
 mod groups;
 mod light;
+mod light_tree;
 mod lighting;
+mod lights;
 mod material;
 mod memory;
 mod nesting;
@@ -28,7 +31,8 @@ pub use caster::Caster;
 use glam::{Vec2, Vec3};
 pub use groups::LightGroups;
 use light::Source;
-pub use light::{LightAt, LightSample, Lights};
+pub use light::{LightAt, LightSample};
+pub use lights::Lights;
 pub use material::Material;
 pub use nesting::Interior;
 use nesting::Nesting;
@@ -250,9 +254,10 @@ impl<M: Mode> Scene<M> {
         }
     }
 
-    /// Calls `add` with radiance and light-sampling density of each distant light that lies in direction `toward`.
-    pub fn escape(&self, toward: Vec3, waves: &M::Waves, mut add: impl FnMut(M::Light, f32)) {
-        self.stage.lights.escape(toward, |source, pdf| add(self.light(&source, waves), pdf));
+    /// Calls `add` with radiance and light-sampling density from `from` of each distant light that lies in direction
+    /// `toward`.
+    pub fn escape(&self, from: Vec3, toward: Vec3, waves: &M::Waves, mut add: impl FnMut(M::Light, f32)) {
+        self.stage.lights.escape(from, toward, |source, pdf| add(self.light(&source, waves), pdf));
     }
 
     /// What absorption leaves over of light on its way through a medium (Beer-Lambert).

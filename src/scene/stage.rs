@@ -9,8 +9,9 @@ use super::BuildError;
 use super::assembly::{Assembly, Built, Ground};
 use super::environment::Sky;
 use super::groups::LightGroups;
-use super::light::{Emitter, Lights};
+use super::light::Emitter;
 use super::lighting;
+use super::lights::Lights;
 use super::memory;
 use super::nesting::Together;
 use super::surface::{Glow, Place, Surface};
@@ -46,6 +47,11 @@ pub struct Stage {
 
 /// The box of an empty scene.
 const NOTHING: (Vec3, Vec3) = (Vec3::splat(-0.5), Vec3::splat(0.5));
+
+/// Half the diagonal of a box.
+fn size_m((low, high): (Vec3, Vec3)) -> f32 {
+    0.5 * (high - low).length()
+}
 
 /// Where everything stands.
 pub struct Pose {
@@ -132,10 +138,9 @@ impl Stage {
         let mut builder = AccelBuilder::new(threads)?;
         let mut assembly = Assembly::new(Ground::New(&mut builder), &moving, &groups);
         assembly.gather(document, &placements, &textures, None)?;
-        let Assembly { places, materials, glows, emitters, spectra, mut power, .. } = assembly;
+        let Assembly { places, materials, glows, emitters, spectra, strength, .. } = assembly;
         let accel = builder.build()?;
         let bounds = accel.bounds().unwrap_or(NOTHING);
-        lighting::weigh_distant(&emitters, &mut power, bounds);
         let white = lighting::white(document, &placements);
         Ok(Self {
             accel,
@@ -145,7 +150,7 @@ impl Stage {
             textures,
             spectra,
             groups,
-            lights: Lights::new(emitters, &power),
+            lights: Lights::new(emitters, &strength, size_m(bounds)),
             sensor: Sensor::new(&white),
             white,
             bounds,
@@ -172,14 +177,13 @@ impl Stage {
         let mut built = Built { places, moves: Vec::new(), stale: self.stale };
         let mut assembly = Assembly::new(Ground::Built(&mut built), &self.moving, &self.groups);
         assembly.gather(document, &pose.placements, &self.textures, Some((sky, pose.sky)))?;
-        let Assembly { places, materials, glows, emitters, spectra, mut power, .. } = assembly;
+        let Assembly { places, materials, glows, emitters, spectra, strength, .. } = assembly;
         (self.places, self.materials, self.glows, self.spectra) = (places, materials, glows, spectra);
 
         let moved = if built.moves.is_empty() { Ok(()) } else { self.accel.move_instances(&built.moves) };
         self.stale = moved.is_err();
         self.bounds = self.accel.bounds().unwrap_or(NOTHING);
-        lighting::weigh_distant(&emitters, &mut power, self.bounds);
-        self.lights = Lights::new(emitters, &power);
+        self.lights = Lights::new(emitters, &strength, size_m(self.bounds));
         moved?;
         Ok(built.moves.len())
     }
