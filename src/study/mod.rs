@@ -11,6 +11,7 @@ pub mod convergence;
 mod decades;
 mod error;
 mod error_map;
+mod exponent;
 mod film_chart;
 mod film_cost;
 mod lettering;
@@ -24,6 +25,7 @@ mod preset_sheet;
 pub mod report;
 mod spectra;
 mod swatch;
+mod undisturbed;
 
 pub use coating::Coating;
 pub use colours::{colour_csv, colour_rows};
