@@ -199,6 +199,8 @@ impl Report<'_> {
                 })
                 .collect(),
             floor,
+            linear: false,
+            legend: Vec::new(),
             front: false,
         };
         let references = &self.contest.references;
