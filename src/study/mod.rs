@@ -14,6 +14,7 @@ mod error_map;
 mod exponent;
 mod film_chart;
 mod film_cost;
+pub mod growth;
 mod lettering;
 mod listing;
 mod log_chart;
