@@ -35,6 +35,7 @@ table() { # title, command ...
 }
 
 table "Typical films" chart films -o "$out/films"
+table "Cost growth" chart growth -o "$out/growth"
 
 small=(--spp 4,16,64 --repeats 2 --reference-spp 768 --cache "$cache")
 table "Titanium" chart convergence scenes/titanium.dae -o "$out/titanium" --size 80x32 "${small[@]}"

@@ -144,3 +144,53 @@ fn only_unbiased_comparable_pictures_are_charted() {
     succeed(&["render", "room.dae", "-o", &large, "-r", "16x9", "--spp", "4", "-q"]);
     assert!(refused(&["--series", &format!("x={large}")]).contains("16x9 instead of 12x9"));
 }
+
+#[test]
+fn growth_is_measured_at_every_size() {
+    let folder = Folder::new("chart-growth");
+    let base = folder.file("growth");
+    let table = succeed(&["chart", "growth", "--quick", "-o", &base]).stdout;
+    all_three_are_there(&base);
+    let rows = rows(&format!("{base}.csv"));
+    let of = |name: &str, field: &str| -> Vec<f64> {
+        let mine = rows.iter().filter(|row| row["series"] == name);
+        mine.map(|row| row[field].parse().unwrap()).collect()
+    };
+    for (name, sizes) in [
+        ("triangles", &[968.0, 10_082.0, 100_352.0][..]),
+        ("lights", &[1.0, 10.0, 100.0]),
+        ("pixels", &[4096.0, 16_384.0, 65_536.0]),
+        ("bounces", &[1.0, 2.0, 4.0, 8.0]),
+        ("lanes", &[3.0, 4.0, 8.0, 16.0]),
+    ] {
+        assert_eq!(of(name, "size"), sizes);
+        for field in ["build_s", "build_wall_s", "us_per_sample"] {
+            assert!(of(name, field).iter().all(|&number| number > 0.0 && number.is_finite()), "{name} {field}");
+        }
+        for row in ["exponent", "larger half"] {
+            let lines = table.lines().skip_while(|line| !line.starts_with(name)).skip(1);
+            assert!(lines.take_while(|line| !line.is_empty()).any(|line| line.starts_with(row)), "{table}");
+        }
+    }
+    // What does not depend on the clock: paths get longer as they may, and carry whatever lanes they have just as far.
+    let rays = of("bounces", "rays_per_sample");
+    assert!(rays.windows(2).all(|pair| pair[1] > pair[0]), "{rays:?}");
+    let rays = of("lanes", "rays_per_sample");
+    assert!(rays.iter().all(|&number| (number / rays[0] - 1.0).abs() < 0.2), "{rays:?}");
+    assert!(of("lights", "relmse").iter().all(|&error| error > 0.0 && error.is_finite()));
+    // Vertices, indices and a BVH; 80 bytes of a pixel. Both with room for what the machine does otherwise.
+    let (scene, picture) = (of("triangles", "build_mb")[2], of("pixels", "render_mb")[2]);
+    assert!((5.0..50.0).contains(&scene) && (2.0..50.0).contains(&picture), "{scene} {picture}");
+    let svg = fs::read_to_string(format!("{base}.svg")).unwrap();
+    assert!(["build: ", "time per sample: ", "memory: ", "noise x time: "].iter().all(|name| svg.contains(name)));
+}
+
+#[test]
+fn growth_says_what_it_cannot_do() {
+    let few = fail(1, &["chart", "growth", "--quick", "--max-memory", "5M"]);
+    assert!(few.contains("100000 triangles: the scene needs about") && few.contains("--max-memory"), "{few}");
+    let nowhere = fail(3, &["chart", "growth", "-o", "no/such/folder/growth"]);
+    assert!(nowhere.contains("no/such/folder") && !nowhere.contains("triangles"), "{nowhere}");
+    assert!(fail(2, &["chart", "growth", "--threads", "100000"]).contains("--threads"));
+    assert!(fail(2, &["chart", "growth", "--one", "lamps:3"]).contains("SERIES:SIZE"));
+}

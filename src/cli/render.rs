@@ -190,7 +190,7 @@ enum StrategyArg {
 /// Far more threads than processors only bring a machine to its knees.
 const MOST_THREADS: usize = 1024;
 
-fn parse_threads(text: &str) -> Result<usize, String> {
+pub(super) fn parse_threads(text: &str) -> Result<usize, String> {
     match text.parse() {
         Ok(threads) if threads <= MOST_THREADS => Ok(threads),
         _ => Err(format!("give a number up to {MOST_THREADS}; 0 takes all processors")),

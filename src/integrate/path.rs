@@ -15,10 +15,14 @@ use crate::scene::{Interior, Material, Scene, Surface};
 
 /// Surfaces that one path may pass straight through.
 const MAX_THROUGH: u32 = 256;
+/// Ways that are tried besides a path's own where thrown light rules.
+const WAYS_LOG2: u32 = 2;
+pub(super) const WAYS: u32 = 1 << WAYS_LOG2;
 /// Bounces before Russian roulette begins.
 pub(super) const SURE_BOUNCES: u32 = 3;
 
 /// A path on its way, with the light that it has found so far.
+#[derive(Clone)]
 pub struct Path<M: Mode> {
     pub(super) ray: Ray,
     pub waves: M::Waves,
@@ -204,7 +208,12 @@ impl<M: Mode> Path<M> {
     /// Samples the surface; false where the path ends. What a glossy find does to light is left to those who look at it.
     #[inline]
     pub(super) fn send_on(&mut self, (vertex, kept): (&Vertex<M>, Kept), tactics: &Tactics) -> bool {
-        let Some(sample) = self.draw(vertex) else { return false };
+        self.draw(vertex).is_some_and(|sample| self.take((vertex, kept), sample, tactics))
+    }
+
+    /// Takes a sample of the surface.
+    #[inline]
+    fn take(&mut self, (vertex, kept): (&Vertex<M>, Kept), sample: BsdfSample<M>, tactics: &Tactics) -> bool {
         let wi = vertex.frame.to_world(sample.wi);
         if wi.dot(vertex.surface.ng) * sample.wi.z <= 0.0 && !matches!(sample.pdf, Pdf::Through(_)) {
             // An interpolated normal sent the ray to the wrong side of the real surface.
@@ -253,6 +262,36 @@ impl<M: Mode> Path<M> {
         true
     }
 
+    /// Another way on from x, number `way` of several: towards where photons came from.
+    pub(super) fn way(&self, way: u32, (x, leaf): (&Vertex<M>, &Leaf), tactics: &Tactics) -> Option<Self> {
+        let mut path = self.clone();
+        path.sampler = self.sampler.part(WAYS_LOG2, way);
+        // The first set of the parts is that of drawn lights.
+        path.sampler.next_4d();
+        let [u_x, u_y, u_lobe, _] = path.sampler.next_4d();
+        path.radiance = M::Light::ZERO;
+        let toward = leaf.sample(x.surface.position, [u_lobe, u_x, u_y])?;
+        let wi = x.local(toward)?;
+        let (value, pdf) = x.bsdf.eval(x.wo, wi, &path.waves);
+        let [density, ways] = densities(x, leaf, toward, pdf);
+        path.importance *= density / pdf * WAYS as f32;
+        let weight = value * (1.0 / (density + ways));
+        let sample = BsdfSample { wi, weight, pdf: Pdf::SolidAngle(pdf), collapses: false };
+        (pdf > 0.0 && path.take((x, Kept::X), sample, tactics)).then_some(path)
+    }
+
+    /// Weighs the way that the path has just taken on from x with those that are tried besides ([`Path::way`]).
+    pub(super) fn thin(&mut self, (x, leaf): (&Vertex<M>, &Leaf)) {
+        let toward = self.ray.dir;
+        // A mirror's direction is none of the others'.
+        let (true, Some(wi)) = (self.was_spread(), x.local(toward)) else { return };
+        let (_, pdf) = x.bsdf.eval(x.wo, wi, &self.waves);
+        let [density, ways] = densities(x, leaf, toward, pdf);
+        let share = density / (density + ways);
+        self.throughput = self.throughput * share;
+        self.importance *= 1.0 / share;
+    }
+
     /// Draws a direction from the surface, or from what its guide knows.
     #[inline]
     fn draw(&mut self, vertex: &Vertex<M>) -> Option<BsdfSample<M>> {
@@ -288,6 +327,12 @@ impl<M: Mode> Path<M> {
         };
         Some(sample)
     }
+}
+
+/// Density of a path's own direction and the sum of those of the ways besides; `pdf` is that of the surface alone.
+fn densities<M: Mode>(x: &Vertex<M>, leaf: &Leaf, toward: Vec3, pdf: f32) -> [f32; 2] {
+    let guided = leaf.pdf(x.surface.position, toward);
+    [pdf + leaf.chance * (guided - pdf), WAYS as f32 * guided]
 }
 
 /// Weight of light that a ray ran into. `densities`: of the scattered ray, and of light sampling for the same direction.

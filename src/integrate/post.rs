@@ -29,7 +29,7 @@ use crate::scene::Scene;
 pub(super) struct Post<'s, M: Mode> {
     progress: Progress,
     /// The first surface that can look around.
-    x: Option<Vertex<'s, M>>,
+    pub x: Option<Vertex<'s, M>>,
     /// The surface that the path found from x; the path goes on as its tail.
     y: Option<Vertex<'s, M>>,
     /// What arrives at a glossy y.
@@ -41,6 +41,8 @@ pub(super) struct Post<'s, M: Mode> {
     bounce: u32,
     /// Light found up to and including y's emission.
     radiance: M::Light,
+    /// Others find what lies behind y: the path ends there.
+    ends_at_y: bool,
 }
 
 /// Light that a glossy surface can scatter to any viewer; directions in its frame.
@@ -83,7 +85,18 @@ impl<'s, M: Mode> Post<'s, M> {
             throughput: M::Light::ONE,
             bounce: 0,
             radiance: M::Light::ZERO,
+            ends_at_y: false,
         }
+    }
+
+    /// Of one more way from x, which is to find what no path shares.
+    pub fn after_x(path: &Path<M>) -> Self {
+        Self { progress: Progress::Left { passed: path.passed }, ends_at_y: true, ..Self::new(true) }
+    }
+
+    /// True where a path has come to what it need not look behind.
+    pub fn has_met(&self, kept: Kept) -> bool {
+        self.ends_at_y && kept != Kept::Nothing
     }
 
     /// Whether a path's next vertex is one to look from or one that was found. From a find on the path's radiance is what y
@@ -104,6 +117,9 @@ impl<'s, M: Mode> Post<'s, M> {
                 let kept = find(vertex);
                 if kept == Kept::Nothing || !straight || !vertex.looks_the_same(toward_x) {
                     return Kept::Nothing;
+                }
+                if self.ends_at_y {
+                    return kept;
                 }
                 path.importance *= path.throughput.max();
                 path.throughput = M::Light::ONE;

@@ -6,8 +6,10 @@
 use arrayvec::ArrayVec;
 
 use super::direct::MOST_DRAWS_LOG2;
-use super::path::{Arrival, Path};
-use super::post::{Post, hand_out};
+use super::guide::Leaf;
+use super::path::{Arrival, Path, WAYS};
+use super::post::{Kept, Post, hand_out};
+use super::vertex::Vertex;
 use super::{Tactics, Tally};
 use crate::embree::{BATCH, Ray};
 use crate::mode::{Lanes, Mode};
@@ -35,6 +37,47 @@ pub fn radiances<M: Mode>(
     tally: &mut Tally,
 ) {
     let mut posts: [Post<M>; GROUP] = std::array::from_fn(|_| Post::new(tactics.shares));
+    let mut forks = ArrayVec::new();
+    walk(scene, tactics, paths, &mut posts, &mut forks, tally);
+
+    let mut gathered = [M::Light::ZERO; GROUP];
+    for (finder, path) in paths.iter().enumerate() {
+        hand_out(scene, &posts, finder, path, &mut gathered, tally);
+    }
+    for (i, fork) in &forks {
+        if let Some((x, leaf)) = posts[*i].x.as_ref().and_then(|x| Some((x, x.fork()?))) {
+            gathered[*i] += other_ways(scene, tactics, fork, (x, leaf), tally);
+        }
+    }
+    for ((path, post), gathered) in paths.iter_mut().zip(&posts).zip(gathered) {
+        path.radiance = post.own(path) + gathered;
+    }
+}
+
+/// Light that comes to x by other ways than the one that its path took from there, as far as nobody shares it.
+fn other_ways<M: Mode>(
+    scene: &Scene<M>,
+    tactics: &Tactics,
+    fork: &Path<M>,
+    x: (&Vertex<M>, &Leaf),
+    tally: &mut Tally,
+) -> M::Light {
+    let mut ways: ArrayVec<Path<M>, GROUP> = (0..WAYS).filter_map(|way| fork.way(way, x, tactics)).collect();
+    let mut posts: [Post<M>; GROUP] = std::array::from_fn(|_| Post::after_x(fork));
+    walk(scene, tactics, &mut ways, &mut posts, &mut ArrayVec::new(), tally);
+    ways.iter().fold(M::Light::ZERO, |sum, way| sum + way.radiance)
+}
+
+/// Takes paths on until all have ended. `forks` gets those whose next way is one of several to be tried, as they were
+/// before they took it.
+fn walk<'s, M: Mode>(
+    scene: &'s Scene<M>,
+    tactics: &'s Tactics,
+    paths: &mut ArrayVec<Path<M>, GROUP>,
+    posts: &mut [Post<'s, M>; GROUP],
+    forks: &mut ArrayVec<(usize, Path<M>), GROUP>,
+    tally: &mut Tally,
+) {
     let (shadows, lights) = ([[Ray::NONE; GROUP]; DRAWS], [[M::Light::ZERO; GROUP]; DRAWS]);
     let mut doubts = Doubts { shadows, lights, lanes: [0; DRAWS] };
     let mut rays = [Ray::NONE; GROUP];
@@ -47,7 +90,7 @@ pub fn radiances<M: Mode>(
         // Move every path to its next surface and on.
         tally.rays += u64::from(active.count_ones());
         let hits = scene.stage.intersect_batch(&rays, active);
-        for (i, (path, post)) in paths.iter_mut().zip(&mut posts).enumerate() {
+        for (i, (path, post)) in paths.iter_mut().zip(&mut *posts).enumerate() {
             if active >> i & 1 == 0 {
                 continue;
             }
@@ -57,6 +100,10 @@ pub fn radiances<M: Mode>(
                 Arrival::At(surface, material, beyond) => {
                     let vertex = path.vertex(scene, tactics.guide.as_ref(), (surface, material), beyond);
                     let kept = post.judge(&vertex, path);
+                    if post.has_met(kept) {
+                        active &= !(1 << i);
+                        continue;
+                    }
                     for draw in 0..1 << path.draws_log2(tactics) {
                         let direct = path.direct(scene, (&vertex, kept), draw, tactics, tally);
                         match direct.shadow {
@@ -71,7 +118,14 @@ pub fn radiances<M: Mode>(
                             }
                         }
                     }
+                    let fork = if kept == Kept::X { vertex.fork() } else { None };
+                    if fork.is_some() {
+                        forks.push((i, path.clone()));
+                    }
                     let goes_on = path.send_on((&vertex, kept), tactics);
+                    if let (true, Some(leaf)) = (goes_on, fork) {
+                        path.thin((&vertex, leaf));
+                    }
                     post.keep(kept, vertex, path);
                     goes_on
                 }
@@ -86,19 +140,11 @@ pub fn radiances<M: Mode>(
         for draw in 0..DRAWS {
             let lanes = std::mem::take(&mut doubts.lanes[draw]);
             let hidden = scene.stage.occluded_batch(&doubts.shadows[draw], lanes);
-            for (i, (path, post)) in paths.iter_mut().zip(&mut posts).enumerate() {
+            for (i, (path, post)) in paths.iter_mut().zip(&mut *posts).enumerate() {
                 if (lanes & !hidden) >> i & 1 == 1 {
                     post.add(doubts.lights[draw][i], path);
                 }
             }
         }
-    }
-
-    let mut gathered = [M::Light::ZERO; GROUP];
-    for (finder, path) in paths.iter().enumerate() {
-        hand_out(scene, &posts, finder, path, &mut gathered, tally);
-    }
-    for ((path, post), gathered) in paths.iter_mut().zip(&posts).zip(gathered) {
-        path.radiance = post.own(path) + gathered;
     }
 }

@@ -29,7 +29,7 @@ pub fn set_up(document: &mut Document, environment: &Environment) {
 }
 
 /// Hangs a thing into the scene; `to_world` says where it stands in the world.
-fn add(document: &mut Document, id: &str, to_world: Mat4, item: Item) {
+pub fn add(document: &mut Document, id: &str, to_world: Mat4, item: Item) {
     let kind = TransformKind::Matrix(document.to_world.inverse() * to_world);
     document.nodes.push(Node {
         id: id.to_owned(),

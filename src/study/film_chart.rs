@@ -115,6 +115,8 @@ impl FilmChart {
                 })
                 .collect(),
             floor: None,
+            linear: false,
+            legend: Vec::new(),
             front: true,
         };
         let chart = Chart {

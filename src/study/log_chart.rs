@@ -31,6 +31,10 @@ pub(super) struct Panel {
     pub series: Vec<Series>,
     /// Below this the reference's own error rules.
     pub floor: Option<f64>,
+    /// From the first point on, what grows as x does.
+    pub linear: bool,
+    /// Lines of its own legend, with the places of the marks that they explain.
+    pub legend: Vec<(usize, String)>,
     /// Joins the points that no other beats in both directions, instead of those of a series.
     pub front: bool,
 }
@@ -38,6 +42,7 @@ pub(super) struct Panel {
 pub(super) struct Chart {
     pub title: String,
     pub columns: usize,
+    /// The legend of all panels; none where each has its own.
     pub names: Vec<String>,
     pub panels: Vec<Panel>,
 }
@@ -47,6 +52,10 @@ const TITLE: u32 = 44;
 /// Pixels between the rows of the legend, and of a letter of the widest font.
 const LEGEND_ROW: i32 = 24;
 const LETTER: usize = 12;
+/// The same within a panel.
+const PANEL_ROW: i32 = 20;
+/// Room for growth that there always is: what hardly grows shall not look steep.
+const LEAST_GROWTH: f64 = 10.0;
 /// Radius of a mark.
 const MARK: i32 = 5;
 const GREY: RGBColor = RGBColor(130, 130, 130);
@@ -80,6 +89,9 @@ impl Chart {
     }
 
     fn legend_width(&self) -> u32 {
+        if self.names.is_empty() {
+            return 0;
+        }
         let longest = self.names.iter().map(|name| name.chars().count()).max().unwrap_or(0);
         (longest * LETTER) as u32 + 60
     }
@@ -125,12 +137,22 @@ impl Panel {
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), StudyError> {
         let points = || self.series.iter().flat_map(|series| &series.points).filter(is_shown);
         let xs = Decades::around(points().map(|(x, _)| x.at));
-        let ys = Decades::around(points().map(|(_, y)| y.at).chain(self.floor));
-        let [left, right] = xs.ends();
+        let first = points().map(|(x, y)| (x.at, y.at)).min_by(|a, b| a.0.total_cmp(&b.0)).filter(|_| self.linear);
+        let least = first.map(|(_, y)| LEAST_GROWTH * y);
+        let ys = Decades::around(points().map(|(_, y)| y.at).chain(self.floor).chain(least));
+        let ([left, right], [_, top]) = (xs.ends(), ys.ends());
         area.draw(&Text::new(self.title.as_str(), (112, 6), ("sans-serif", 15))).map_err(StudyError::drawing)?;
+        for (row, (name, text)) in self.legend.iter().enumerate() {
+            let y = 36 + PANEL_ROW * row as i32;
+            area.draw(&Circle::new((98, y), MARK, mark(*name))).map_err(StudyError::drawing)?;
+            let style = TextStyle::from(("sans-serif", 14)).pos(Pos::new(HPos::Left, VPos::Center));
+            area.draw(&Text::new(text.as_str(), (112, y), style)).map_err(StudyError::drawing)?;
+        }
+        // A little more than its lines: the uppermost number of the axis stands half above it.
+        let legend_height = if self.legend.is_empty() { 0 } else { 8 + PANEL_ROW * self.legend.len() as i32 };
         let mut axes = ChartBuilder::on(area)
             .margin(12)
-            .margin_top(30)
+            .margin_top(30 + legend_height)
             .x_label_area_size(50)
             .y_label_area_size(100)
             .build_cartesian_2d(xs, ys)
@@ -146,6 +168,11 @@ impl Panel {
             let style = TextStyle::from(("sans-serif", 13)).color(&GREY).pos(Pos::new(HPos::Right, VPos::Bottom));
             axes.draw_series([Text::new("error of the reference", (right, floor), style)])
                 .map_err(StudyError::drawing)?;
+        }
+        if let Some((x, y)) = first {
+            let end = right.min(top / y * x);
+            let line = DashedLineSeries::new([(x, y), (end, end / x * y)], 8, 6, GREY.stroke_width(2));
+            axes.draw_series(line).map_err(StudyError::drawing)?;
         }
         if self.front {
             let all: Vec<(f64, f64)> = points().map(|(x, y)| (x.at, y.at)).collect();
@@ -223,6 +250,8 @@ mod tests {
             y_name: "y",
             series: vec![series],
             floor: Some(0.01),
+            linear: false,
+            legend: Vec::new(),
             front: false,
         };
         let chart = Chart { title: "Both".into(), columns: 1, names: vec!["only".into()], panels: vec![panel] };

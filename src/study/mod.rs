@@ -11,8 +11,10 @@ pub mod convergence;
 mod decades;
 mod error;
 mod error_map;
+mod exponent;
 mod film_chart;
 mod film_cost;
+pub mod growth;
 mod lettering;
 mod listing;
 mod log_chart;
@@ -24,6 +26,7 @@ mod preset_sheet;
 pub mod report;
 mod spectra;
 mod swatch;
+mod undisturbed;
 
 pub use coating::Coating;
 pub use colours::{colour_csv, colour_rows};

@@ -33,7 +33,11 @@ done
 add() { [[ $said == *" $1 "* ]] || args+=("$@"); }
 case ${args[0]} in
     render | turntable | animate) add --size 24x16; add --spp 2 ;;
-    chart) [ "${args[1]}" = convergence ] && { add --size 24x16; add --spp 1,2; add --reference-spp 16; add --repeats 1; } ;;
+    chart)
+        case ${args[1]} in
+            convergence) add --size 24x16; add --spp 1,2; add --reference-spp 16; add --repeats 1 ;;
+            growth) add --quick ;;
+        esac ;;
 esac
 printf '%s\0' "${args[@]}" END >>"$ARGUMENTS"
 exec "$PELLICLE" "${args[@]}"

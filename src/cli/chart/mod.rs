@@ -1,7 +1,8 @@
-//! `pellicle chart`: error against time.
+//! `pellicle chart`: error against time, cost against size.
 
 mod convergence;
 mod films;
+mod growth;
 
 use std::path::Path;
 
@@ -10,11 +11,12 @@ use clap::{Args, Subcommand};
 use crate::error::Error;
 use crate::output::{self, Display, Picture, PngDepth};
 
-/// Chart error against time: of film models, or of whole renders
+/// Chart error against time, of film models or of whole renders; or cost against size
 #[derive(Args)]
 #[command(after_help = "Examples:
   pellicle chart films -o films
-  pellicle chart convergence scenes/bubbles.dae -o bubbles")]
+  pellicle chart convergence scenes/bubbles.dae -o bubbles
+  pellicle chart growth -o growth")]
 pub struct ChartArgs {
     #[command(subcommand)]
     chart: ChartCommand,
@@ -24,12 +26,14 @@ pub struct ChartArgs {
 enum ChartCommand {
     Films(films::FilmsArgs),
     Convergence(convergence::ConvergenceArgs),
+    Growth(growth::GrowthArgs),
 }
 
 pub fn run(args: &ChartArgs) -> Result<(), Error> {
     match &args.chart {
         ChartCommand::Films(args) => films::run(args),
         ChartCommand::Convergence(args) => convergence::run(args),
+        ChartCommand::Growth(args) => growth::run(args),
     }
 }
 

@@ -6,6 +6,7 @@ use super::contest::{Contest, Row};
 use super::reference::Reference;
 use crate::output::Picture;
 use crate::study::error::StudyError;
+use crate::study::exponent::exponent;
 use crate::study::log_chart::{Chart, Panel, Series, Value};
 use crate::study::metrics::{Spread, delta_e_map};
 use crate::study::number::ten_digits;
@@ -154,15 +155,11 @@ impl Report<'_> {
         text
     }
 
-    /// The exponent of error over seconds: -1 for independent samples. Least squares over logarithms.
+    /// The exponent of error over seconds: -1 for independent samples.
     fn slope(&self, contender: usize) -> Option<f64> {
-        let points: Vec<(f64, f64)> = self
-            .steps(contender)
-            .iter()
-            .filter_map(|step| Some((step.seconds.at.ln(), step.noise_mse?.at.ln())))
-            .filter(|(x, y)| x.is_finite() && y.is_finite())
-            .collect();
-        slope(&points)
+        let points: Vec<(f64, f64)> =
+            self.steps(contender).iter().filter_map(|step| Some((step.seconds.at, step.noise_mse?.at))).collect();
+        exponent(&points)
     }
 
     /// Names of the contenders whose error comes near that of the reference they are measured against.
@@ -202,6 +199,8 @@ impl Report<'_> {
                 })
                 .collect(),
             floor,
+            linear: false,
+            legend: Vec::new(),
             front: false,
         };
         let references = &self.contest.references;
@@ -244,26 +243,4 @@ fn described(reference: &Reference) -> String {
 
 fn mean(rows: &[&Row], value: impl Fn(&Row) -> f64) -> Value {
     Value::mean_of(&rows.iter().map(|row| value(row)).collect::<Vec<_>>())
-}
-
-fn slope(points: &[(f64, f64)]) -> Option<f64> {
-    if points.len() < 2 {
-        return None;
-    }
-    let count = points.len() as f64;
-    let (x, y) = points.iter().fold((0.0, 0.0), |(a, b), (x, y)| (a + x / count, b + y / count));
-    let (top, bottom) = points.iter().fold((0.0, 0.0), |(t, b), p| (t + (p.0 - x) * (p.1 - y), b + (p.0 - x).powi(2)));
-    (bottom > 0.0).then(|| top / bottom)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::slope;
-
-    #[test]
-    fn slopes_are_exponents() {
-        let points: Vec<(f64, f64)> = [1.0f64, 3.0, 10.0].map(|x| (x.ln(), (5.0 / x.powf(1.5)).ln())).to_vec();
-        assert!(slope(&points).is_some_and(|slope| (slope + 1.5).abs() < 1e-12));
-        assert_eq!((slope(&points[..1]), slope(&[(1.0, 2.0), (1.0, 3.0)])), (None, None));
-    }
 }

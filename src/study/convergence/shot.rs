@@ -7,8 +7,9 @@ use crate::batch::still::{Prepared, StillPlan, prepare};
 use crate::document::Document;
 use crate::error::Error;
 use crate::mode::{Rgb, Spectral};
-use crate::render::{Frame, Watch};
+use crate::render::Frame;
 use crate::scene::{Camera, Stage};
+use crate::study::undisturbed::Undisturbed;
 
 /// A scene on its stage, before a colour transport.
 #[derive(Clone)]
@@ -52,15 +53,5 @@ impl Shot {
             Self::Eight(scene) => scene.render(plan, &Undisturbed),
             Self::Sixteen(scene) => scene.render(plan, &Undisturbed),
         }
-    }
-}
-
-/// Nobody looks on: what is timed is rendering alone.
-struct Undisturbed;
-
-impl Watch for Undisturbed {
-    fn advanced(&self, _samples: u64) {}
-    fn stop(&self) -> bool {
-        false
     }
 }
