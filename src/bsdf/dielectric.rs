@@ -82,6 +82,12 @@ impl<M: Mode> Dielectric<'_, M> {
         Some((shares.straight * self.coat.transmit_tint, 1.0 - shares.scatters))
     }
 
+    /// Of a smooth interface.
+    pub(super) fn mirror_chance(&self, wo: Vec3, waves: &M::Waves) -> f32 {
+        let split = self.coat.split(side_of(wo), wo.z.abs(), waves);
+        lobe_probability(split.reflect, split.transmit)
+    }
+
     pub(super) fn eval(&self, wo: Vec3, wi: Vec3, waves: &M::Waves) -> (M::Light, f32) {
         let Some(multiple) = self.multiple.as_ref().filter(|_| wo.z != 0.0 && wi.z != 0.0) else {
             return (M::Light::ZERO, 0.0);

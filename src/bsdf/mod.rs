@@ -88,6 +88,16 @@ impl<M: Mode> Bsdf<'_, M> {
         }
     }
 
+    /// The chance that [`Bsdf::sample`] mirrors, with its first number below it, where it can only mirror or let through in one
+    /// direction each; `None` for other surfaces.
+    #[inline]
+    pub fn mirror_chance(&self, wo: Vec3, waves: &M::Waves) -> Option<f32> {
+        match self {
+            Self::Dielectric(bsdf) if bsdf.multiple.is_none() => Some(bsdf.mirror_chance(wo, waves)),
+            _ => None,
+        }
+    }
+
     /// Factor by which radiance is diluted when light crosses the surface: eta^2 of the side that the path enters over the
     /// other.
     #[inline]

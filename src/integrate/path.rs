@@ -262,6 +262,28 @@ impl<M: Mode> Path<M> {
         true
     }
 
+    /// True at surfaces that are seen directly, or through others that bend nothing.
+    #[inline]
+    pub(super) fn may_split(&self, tactics: &Tactics) -> bool {
+        self.bounce == 0 && tactics.limits.strategy == Strategy::Shared
+    }
+
+    /// Follows both what a smooth surface lets through and what it mirrors, which is returned: chosen at random, the bright
+    /// reflections of lamps would be seen by few samples.
+    #[inline]
+    pub(super) fn split(&mut self, vertex: &Vertex<M>, tactics: &Tactics) -> Option<Self> {
+        let chance =
+            vertex.bsdf.mirror_chance(vertex.wo, &self.waves).filter(|chance| (1e-4..0.999).contains(chance))?;
+        let mut mirrored = self.clone();
+        mirrored.radiance = M::Light::ZERO;
+        mirrored.sampler = self.sampler.part(0, 0);
+        mirrored.u_surface[2] = 0.0;
+        mirrored.throughput = self.throughput * chance;
+        self.u_surface[2] = 1.0 - f32::EPSILON;
+        self.throughput = self.throughput * (1.0 - chance);
+        mirrored.send_on((vertex, Kept::Nothing), tactics).then_some(mirrored)
+    }
+
     /// Another way on from x, number `way` of several: towards where photons came from.
     pub(super) fn way(&self, way: u32, (x, leaf): (&Vertex<M>, &Leaf), tactics: &Tactics) -> Option<Self> {
         let mut path = self.clone();

@@ -20,12 +20,29 @@ pub const GROUP: usize = BATCH;
 /// Sources of light that one surface draws at most.
 const DRAWS: usize = 1 << MOST_DRAWS_LOG2;
 
+/// Mirrored paths that a group follows besides its own: bubbles have two sides, and may stand behind each other.
+const MIRRORED: usize = 4 * GROUP;
+
 /// Light that counts unless something stands in its way, of each draw and path.
 struct Doubts<L> {
     shadows: [[Ray; GROUP]; DRAWS],
     lights: [[L; GROUP]; DRAWS],
     /// Of each draw, the paths that have such light.
     lanes: [u8; DRAWS],
+}
+
+/// What is to be followed besides the paths of a group.
+struct Besides<M: Mode> {
+    /// Paths whose way on from x is one of several to be tried, as they were before they took it, by their numbers.
+    forks: ArrayVec<(usize, Path<M>), GROUP>,
+    /// What smooth surfaces mirror of what goes through, by the number of the path that goes through.
+    mirrored: ArrayVec<(usize, Path<M>), MIRRORED>,
+}
+
+impl<M: Mode> Besides<M> {
+    fn new() -> Self {
+        Self { forks: ArrayVec::new(), mirrored: ArrayVec::new() }
+    }
 }
 
 /// Estimates the radiance of a group of paths, into [`Path::radiance`]. They must have the same waves; how many they are
@@ -36,15 +53,34 @@ pub fn radiances<M: Mode>(
     paths: &mut ArrayVec<Path<M>, GROUP>,
     tally: &mut Tally,
 ) {
+    let mut mirrored = radiances_of_group(scene, tactics, paths, tally);
+    while !mirrored.is_empty() {
+        let rest = mirrored.len().saturating_sub(GROUP);
+        let (of, mut group): (ArrayVec<usize, GROUP>, ArrayVec<Path<M>, GROUP>) = mirrored.drain(rest..).unzip();
+        // What is mirrored is past its first surface: nothing is split off again.
+        radiances_of_group(scene, tactics, &mut group, tally);
+        for (of, path) in of.into_iter().zip(&group) {
+            paths[of].radiance += path.radiance;
+        }
+    }
+}
+
+/// Returns what is still to be followed for the paths' radiance to be whole.
+fn radiances_of_group<M: Mode>(
+    scene: &Scene<M>,
+    tactics: &Tactics,
+    paths: &mut ArrayVec<Path<M>, GROUP>,
+    tally: &mut Tally,
+) -> ArrayVec<(usize, Path<M>), MIRRORED> {
     let mut posts: [Post<M>; GROUP] = std::array::from_fn(|_| Post::new(tactics.shares));
-    let mut forks = ArrayVec::new();
-    walk(scene, tactics, paths, &mut posts, &mut forks, tally);
+    let mut besides = Besides::new();
+    walk(scene, tactics, paths, &mut posts, &mut besides, tally);
 
     let mut gathered = [M::Light::ZERO; GROUP];
     for (finder, path) in paths.iter().enumerate() {
         hand_out(scene, &posts, finder, path, &mut gathered, tally);
     }
-    for (i, fork) in &forks {
+    for (i, fork) in &besides.forks {
         if let Some((x, leaf)) = posts[*i].x.as_ref().and_then(|x| Some((x, x.fork()?))) {
             gathered[*i] += other_ways(scene, tactics, fork, (x, leaf), tally);
         }
@@ -52,6 +88,7 @@ pub fn radiances<M: Mode>(
     for ((path, post), gathered) in paths.iter_mut().zip(&posts).zip(gathered) {
         path.radiance = post.own(path) + gathered;
     }
+    besides.mirrored
 }
 
 /// Light that comes to x by other ways than the one that its path took from there, as far as nobody shares it.
@@ -64,18 +101,17 @@ fn other_ways<M: Mode>(
 ) -> M::Light {
     let mut ways: ArrayVec<Path<M>, GROUP> = (0..WAYS).filter_map(|way| fork.way(way, x, tactics)).collect();
     let mut posts: [Post<M>; GROUP] = std::array::from_fn(|_| Post::after_x(fork));
-    walk(scene, tactics, &mut ways, &mut posts, &mut ArrayVec::new(), tally);
+    walk(scene, tactics, &mut ways, &mut posts, &mut Besides::new(), tally);
     ways.iter().fold(M::Light::ZERO, |sum, way| sum + way.radiance)
 }
 
-/// Takes paths on until all have ended. `forks` gets those whose next way is one of several to be tried, as they were
-/// before they took it.
+/// Takes paths on until all have ended.
 fn walk<'s, M: Mode>(
     scene: &'s Scene<M>,
     tactics: &'s Tactics,
     paths: &mut ArrayVec<Path<M>, GROUP>,
     posts: &mut [Post<'s, M>; GROUP],
-    forks: &mut ArrayVec<(usize, Path<M>), GROUP>,
+    besides: &mut Besides<M>,
     tally: &mut Tally,
 ) {
     let (shadows, lights) = ([[Ray::NONE; GROUP]; DRAWS], [[M::Light::ZERO; GROUP]; DRAWS]);
@@ -118,9 +154,12 @@ fn walk<'s, M: Mode>(
                             }
                         }
                     }
+                    if path.may_split(tactics) && !besides.mirrored.is_full() {
+                        besides.mirrored.extend(path.split(&vertex, tactics).map(|mirrored| (i, mirrored)));
+                    }
                     let fork = if kept == Kept::X { vertex.fork() } else { None };
                     if fork.is_some() {
-                        forks.push((i, path.clone()));
+                        besides.forks.push((i, path.clone()));
                     }
                     let goes_on = path.send_on((&vertex, kept), tactics);
                     if let (true, Some(leaf)) = (goes_on, fork) {
