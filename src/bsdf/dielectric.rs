@@ -17,6 +17,8 @@ pub struct Dielectric<'s, M: Mode> {
     pub refraction: (f32, bool),
     /// What the facets lose; `None` exactly where the interface is smooth.
     pub multiple: Option<Multiple<'s, M>>,
+    /// False where what a smooth interface mirrors is followed apart: it is still there, but never sampled.
+    pub mirrors: bool,
 }
 
 /// How light from one direction is shared out.
@@ -68,7 +70,7 @@ impl<M: Mode> Dielectric<'_, M> {
                 let straight = multiple.straight(cos, split.transmit);
                 (straight, lobe_probability(straight.map(|t| 1.0 - t), straight))
             }
-            None => (split.transmit, lobe_probability(split.reflect, split.transmit)),
+            None => (split.transmit, self.mirror_chance(&split)),
         };
         let broadly = if scatters > 0.0 { (missing.mean() / scatters).clamp(0.0, 1.0) } else { 0.0 };
         Shares { straight, scatters, missing, broadly }
@@ -82,10 +84,10 @@ impl<M: Mode> Dielectric<'_, M> {
         Some((shares.straight * self.coat.transmit_tint, 1.0 - shares.scatters))
     }
 
-    /// Of a smooth interface.
-    pub(super) fn mirror_chance(&self, wo: Vec3, waves: &M::Waves) -> f32 {
-        let split = self.coat.split(side_of(wo), wo.z.abs(), waves);
-        lobe_probability(split.reflect, split.transmit)
+    /// The chance that a smooth interface mirrors what comes from a direction, given what becomes of it.
+    #[inline]
+    pub(super) fn mirror_chance(&self, split: &Split<M::Light>) -> f32 {
+        if self.mirrors { lobe_probability(split.reflect, split.transmit) } else { 0.0 }
     }
 
     pub(super) fn eval(&self, wo: Vec3, wi: Vec3, waves: &M::Waves) -> (M::Light, f32) {
@@ -187,7 +189,7 @@ impl<M: Mode> Dielectric<'_, M> {
         let flip = 1.0f32.copysign(wo.z);
         let (up, side) = (mirror(wo, flip), side_of(wo));
         let split = self.coat.split(side, up.z, waves);
-        let reflect = lobe_probability(split.reflect, split.transmit);
+        let reflect = self.mirror_chance(&split);
         if u < reflect {
             let (wi, weight) = (Vec3::new(-wo.x, -wo.y, wo.z), split.reflect * (1.0 / reflect));
             return Some(BsdfSample { wi, weight, pdf: Pdf::Delta, collapses: false });
@@ -257,7 +259,7 @@ fn beyond(side: Side) -> Side {
 }
 
 #[inline]
-fn side_of(wo: Vec3) -> Side {
+pub(super) fn side_of(wo: Vec3) -> Side {
     if wo.z >= 0.0 { Side::Outside } else { Side::Inside }
 }
 

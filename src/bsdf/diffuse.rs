@@ -4,7 +4,7 @@ use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec3;
 
-use super::{BsdfSample, Coat, Pdf, lobe_probability};
+use super::{BsdfSample, Coat, Pdf, Split, lobe_probability};
 use crate::film::Side;
 use crate::math::warp::{cosine_hemisphere_pdf, square_to_cosine_hemisphere};
 use crate::mode::{Lanes, Mode};
@@ -48,6 +48,8 @@ pub struct CoatedDiffuse<'s, M: Mode> {
     pub ior: f32,
     /// The interface's average reflectance from inside, `F` above.
     pub internal_reflectance: M::Light,
+    /// False where what it mirrors is followed apart: it is still there, but never sampled.
+    pub mirrors: bool,
 }
 
 impl<M: Mode> CoatedDiffuse<'_, M> {
@@ -65,6 +67,12 @@ impl<M: Mode> CoatedDiffuse<'_, M> {
         transmit * self.body() * self.internal_reflectance.map(|f| n2 * (1.0 - f))
     }
 
+    /// The chance that what comes from a direction is mirrored, given what becomes of it.
+    #[inline]
+    pub(super) fn mirror_chance(&self, out: &Split<M::Light>) -> f32 {
+        if self.mirrors { lobe_probability(out.reflect, self.body_albedo(out.transmit)) } else { 0.0 }
+    }
+
     #[inline]
     pub(super) fn eval(&self, wo: Vec3, wi: Vec3, waves: &M::Waves) -> (M::Light, f32) {
         if wo.z * wi.z <= 0.0 {
@@ -72,7 +80,7 @@ impl<M: Mode> CoatedDiffuse<'_, M> {
         }
         let out = self.coat.split(Side::Outside, wo.z.abs(), waves);
         let into = self.coat.split(Side::Outside, wi.z.abs(), waves);
-        let mirror = lobe_probability(out.reflect, self.body_albedo(out.transmit));
+        let mirror = self.mirror_chance(&out);
         let value = out.transmit * into.transmit * self.body() * (FRAC_1_PI * wi.z.abs());
         (value, (1.0 - mirror) * cosine_hemisphere_pdf(wi.z.abs()))
     }
@@ -80,7 +88,7 @@ impl<M: Mode> CoatedDiffuse<'_, M> {
     #[inline]
     pub(super) fn sample(&self, wo: Vec3, u: [f32; 3], waves: &M::Waves) -> Option<BsdfSample<M>> {
         let out = self.coat.split(Side::Outside, wo.z.abs(), waves);
-        let mirror = lobe_probability(out.reflect, self.body_albedo(out.transmit));
+        let mirror = self.mirror_chance(&out);
         if u[0] < mirror {
             let wi = Vec3::new(-wo.x, -wo.y, wo.z);
             return Some(BsdfSample { wi, weight: out.reflect * (1.0 / mirror), pdf: Pdf::Delta, collapses: false });

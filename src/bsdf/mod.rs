@@ -12,6 +12,7 @@ mod microfacet;
 mod multiple;
 
 pub use conductor::{Conductor, multiple_color};
+use dielectric::side_of;
 pub use dielectric::{Dielectric, is_straight};
 pub use diffuse::{CoatedDiffuse, Diffuse};
 use glam::Vec3;
@@ -88,13 +89,24 @@ impl<M: Mode> Bsdf<'_, M> {
         }
     }
 
-    /// The chance that [`Bsdf::sample`] mirrors, with its first number below it, where it can only mirror or let through in one
-    /// direction each; `None` for other surfaces.
+    /// The chance that [`Bsdf::sample`] mirrors, and its first number is below it: of smooth interfaces.
     #[inline]
     pub fn mirror_chance(&self, wo: Vec3, waves: &M::Waves) -> Option<f32> {
         match self {
-            Self::Dielectric(bsdf) if bsdf.multiple.is_none() => Some(bsdf.mirror_chance(wo, waves)),
+            Self::Dielectric(bsdf) if bsdf.multiple.is_none() => {
+                Some(bsdf.mirror_chance(&bsdf.coat.split(side_of(wo), wo.z.abs(), waves)))
+            }
+            Self::CoatedDiffuse(bsdf) => Some(bsdf.mirror_chance(&bsdf.coat.split(Side::Outside, wo.z.abs(), waves))),
             _ => None,
+        }
+    }
+
+    /// Leaves what smooth interfaces mirror to the caller.
+    pub fn without_mirror(&mut self) {
+        match self {
+            Self::Dielectric(bsdf) => bsdf.mirrors = false,
+            Self::CoatedDiffuse(bsdf) => bsdf.mirrors = false,
+            _ => {}
         }
     }
 

@@ -15,6 +15,8 @@ use crate::scene::{Interior, Material, Scene, Surface};
 
 /// Surfaces that one path may pass straight through.
 const MAX_THROUGH: u32 = 256;
+/// Both what is mirrored and what is not are followed where the chance of the first lies here.
+const WORTH_TWO: std::ops::Range<f32> = 1e-4..0.999;
 /// Ways that are tried besides a path's own where thrown light rules.
 const WAYS_LOG2: u32 = 2;
 pub(super) const WAYS: u32 = 1 << WAYS_LOG2;
@@ -268,20 +270,18 @@ impl<M: Mode> Path<M> {
         self.bounce == 0 && tactics.limits.strategy == Strategy::Shared
     }
 
-    /// Follows both what a smooth surface lets through and what it mirrors, which is returned: chosen at random, the bright
-    /// reflections of lamps would be seen by few samples.
+    /// Leaves the path what a smooth interface does not mirror, and returns one for what it does: chosen between at random,
+    /// bright reflections of lamps and what lies behind them would both be noisy.
     #[inline]
-    pub(super) fn split(&mut self, vertex: &Vertex<M>, tactics: &Tactics) -> Option<Self> {
-        let chance =
-            vertex.bsdf.mirror_chance(vertex.wo, &self.waves).filter(|chance| (1e-4..0.999).contains(chance))?;
+    pub(super) fn split(&self, vertex: &mut Vertex<M>, tactics: &Tactics) -> Option<Self> {
+        let chance = vertex.bsdf.mirror_chance(vertex.wo, &self.waves).filter(|chance| WORTH_TWO.contains(chance))?;
         let mut mirrored = self.clone();
         mirrored.radiance = M::Light::ZERO;
         mirrored.sampler = self.sampler.part(0, 0);
-        mirrored.u_surface[2] = 0.0;
         mirrored.throughput = self.throughput * chance;
-        self.u_surface[2] = 1.0 - f32::EPSILON;
-        self.throughput = self.throughput * (1.0 - chance);
-        mirrored.send_on((vertex, Kept::Nothing), tactics).then_some(mirrored)
+        let sample = vertex.bsdf.sample(vertex.wo, [0.0; 3], &self.waves)?;
+        vertex.bsdf.without_mirror();
+        mirrored.take((vertex, Kept::Nothing), sample, tactics).then_some(mirrored)
     }
 
     /// Another way on from x, number `way` of several: towards where photons came from.

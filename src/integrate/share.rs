@@ -134,11 +134,14 @@ fn walk<'s, M: Mode>(
                 Arrival::End => false,
                 Arrival::Through => true,
                 Arrival::At(surface, material, beyond) => {
-                    let vertex = path.vertex(scene, tactics.guide.as_ref(), (surface, material), beyond);
+                    let mut vertex = path.vertex(scene, tactics.guide.as_ref(), (surface, material), beyond);
                     let kept = post.judge(&vertex, path);
                     if post.has_met(kept) {
                         active &= !(1 << i);
                         continue;
+                    }
+                    if path.may_split(tactics) && !besides.mirrored.is_full() {
+                        besides.mirrored.extend(path.split(&mut vertex, tactics).map(|mirrored| (i, mirrored)));
                     }
                     for draw in 0..1 << path.draws_log2(tactics) {
                         let direct = path.direct(scene, (&vertex, kept), draw, tactics, tally);
@@ -153,9 +156,6 @@ fn walk<'s, M: Mode>(
                                 post.add(light, path);
                             }
                         }
-                    }
-                    if path.may_split(tactics) && !besides.mirrored.is_full() {
-                        besides.mirrored.extend(path.split(&vertex, tactics).map(|mirrored| (i, mirrored)));
                     }
                     let fork = if kept == Kept::X { vertex.fork() } else { None };
                     if fork.is_some() {

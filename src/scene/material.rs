@@ -172,7 +172,7 @@ impl<M: Mode> Material<M> {
                 let coat = coat(film);
                 let albedo = M::reflectance(rgb(reflectance), waves);
                 let internal_reflectance = M::average(film, Side::Inside, coat.thickness_nm, waves);
-                Bsdf::CoatedDiffuse(CoatedDiffuse { coat, albedo, ior: *ior, internal_reflectance })
+                Bsdf::CoatedDiffuse(CoatedDiffuse { coat, albedo, ior: *ior, internal_reflectance, mirrors: true })
             }
             Body::Conductor { film, distribution, roughness, missing } => {
                 let (coat, microfacets) = (coat(film), microfacets(distribution, roughness));
@@ -189,13 +189,14 @@ impl<M: Mode> Material<M> {
                     let profile = M::profiled(profile, coat.thickness_nm, waves);
                     Multiple::new(interface, microfacets.alpha, refraction.0, profile)
                 });
-                Bsdf::Dielectric(Dielectric { coat, microfacets, refraction, multiple })
+                Bsdf::Dielectric(Dielectric { coat, microfacets, refraction, multiple, mirrors: true })
             }
             Body::Refractor { film, eta, .. } => Bsdf::Dielectric(Dielectric {
                 coat: coat(film),
                 microfacets: Microfacets { distribution: Distribution::Ggx, alpha: 0.0 },
                 refraction: M::refraction(eta, waves),
                 multiple: None,
+                mirrors: true,
             }),
         }
     }
