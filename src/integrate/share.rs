@@ -19,7 +19,6 @@ use crate::scene::Scene;
 pub const GROUP: usize = BATCH;
 /// Sources of light that one surface draws at most.
 const DRAWS: usize = 1 << MOST_DRAWS_LOG2;
-
 /// Mirrored paths that a group follows besides its own: bubbles have two sides, and may stand behind each other.
 const MIRRORED: usize = 4 * GROUP;
 
@@ -53,42 +52,42 @@ pub fn radiances<M: Mode>(
     paths: &mut ArrayVec<Path<M>, GROUP>,
     tally: &mut Tally,
 ) {
-    let mut mirrored = radiances_of_group(scene, tactics, paths, tally);
-    while !mirrored.is_empty() {
-        let rest = mirrored.len().saturating_sub(GROUP);
-        let (of, mut group): (ArrayVec<usize, GROUP>, ArrayVec<Path<M>, GROUP>) = mirrored.drain(rest..).unzip();
-        // What is mirrored is past its first surface: nothing is split off again.
-        radiances_of_group(scene, tactics, &mut group, tally);
+    let mut besides = Besides::new();
+    radiances_of_group(scene, tactics, paths, &mut besides, tally);
+    while !besides.mirrored.is_empty() {
+        let rest = besides.mirrored.len().saturating_sub(GROUP);
+        let (of, mut group): (ArrayVec<usize, GROUP>, ArrayVec<Path<M>, GROUP>) =
+            besides.mirrored.drain(rest..).unzip();
+        radiances_of_group(scene, tactics, &mut group, &mut besides, tally);
         for (of, path) in of.into_iter().zip(&group) {
             paths[of].radiance += path.radiance;
         }
     }
 }
 
-/// Returns what is still to be followed for the paths' radiance to be whole.
+/// As [`radiances`], but for what is mirrored apart, which `besides` gets.
 fn radiances_of_group<M: Mode>(
     scene: &Scene<M>,
     tactics: &Tactics,
     paths: &mut ArrayVec<Path<M>, GROUP>,
+    besides: &mut Besides<M>,
     tally: &mut Tally,
-) -> ArrayVec<(usize, Path<M>), MIRRORED> {
+) {
     let mut posts: [Post<M>; GROUP] = std::array::from_fn(|_| Post::new(tactics.shares));
-    let mut besides = Besides::new();
-    walk(scene, tactics, paths, &mut posts, &mut besides, tally);
+    walk(scene, tactics, paths, &mut posts, besides, tally);
 
     let mut gathered = [M::Light::ZERO; GROUP];
     for (finder, path) in paths.iter().enumerate() {
         hand_out(scene, &posts, finder, path, &mut gathered, tally);
     }
-    for (i, fork) in &besides.forks {
-        if let Some((x, leaf)) = posts[*i].x.as_ref().and_then(|x| Some((x, x.fork()?))) {
-            gathered[*i] += other_ways(scene, tactics, fork, (x, leaf), tally);
+    for (i, fork) in besides.forks.drain(..) {
+        if let Some((x, leaf)) = posts[i].x.as_ref().and_then(|x| Some((x, x.fork()?))) {
+            gathered[i] += other_ways(scene, tactics, &fork, (x, leaf), tally);
         }
     }
     for ((path, post), gathered) in paths.iter_mut().zip(&posts).zip(gathered) {
         path.radiance = post.own(path) + gathered;
     }
-    besides.mirrored
 }
 
 /// Light that comes to x by other ways than the one that its path took from there, as far as nobody shares it.
