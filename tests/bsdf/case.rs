@@ -82,6 +82,7 @@ impl<M: Mode> Case<M> {
                 albedo: one,
                 ior: 1.5,
                 internal_reflectance: self.average(Side::Inside),
+                mirrors: true,
             }),
             Kind::Conductor { .. } => {
                 let color = |missing: &Missing| multiple_color(self.average(Side::Outside), missing.mean(alpha));
@@ -93,7 +94,7 @@ impl<M: Mode> Case<M> {
                     self.interface.as_ref().filter(|_| !microfacets.is_smooth()).map(|(interface, profile)| {
                         Multiple::new(interface, alpha, eta, M::profiled(profile, 0.0, &self.waves))
                     });
-                Bsdf::Dielectric(Dielectric { coat, microfacets, refraction: (eta, false), multiple })
+                Bsdf::Dielectric(Dielectric { coat, microfacets, refraction: (eta, false), multiple, mirrors: true })
             }
         }
     }
