@@ -91,7 +91,7 @@ fn a_signal_ends_even_a_large_picture_and_leaves_the_old_one() {
 #[test]
 fn a_second_signal_ends_at_once() {
     let folder = Folder::new("second");
-    let rendering = Rendering::start(&folder.file("a.exr"), "640x480");
+    let rendering = Rendering::start(&folder.file("a.exr"), "1920x1440");
     std::thread::sleep(Duration::from_millis(1500));
     // Both arrive before the program has done much about the first: writing this picture takes a while.
     rendering.send(&["STOP", "INT", "TERM", "CONT"]);
