@@ -38,7 +38,7 @@ fn a_scene_that_goes_away_has_been_read() {
     for replaced in [false, true] {
         fs::write(&scene, room(&[("<diffuse reflectance=\"0.5\"/>", map)])).unwrap();
         fs::copy(data("good/dot.png"), folder.file("dot.png")).unwrap();
-        let rendering = Rendering::start_scene(&scene, &folder.file("a.exr"), "64x48");
+        let rendering = Rendering::start_scene(&scene, &folder.file("a.exr"), "64x48", &[]);
         for name in ["scene.dae", "dot.png"] {
             if replaced {
                 fs::write(folder.file(name), "other").unwrap()
