@@ -4,11 +4,11 @@ use glam::{Vec2, Vec3};
 use pellicle::document::Lens;
 use pellicle::integrate::{PathLimits, Strategy};
 use pellicle::mode::{Mode, Rgb, Spectral};
-use pellicle::render::{Filter, Frame, Plan, render};
+use pellicle::render::{Filter, Frame, Plan, Unwatched, render};
 use pellicle::scene::{Camera, FilmOptions, Framing, Raster, Scene, Stage, Window};
 use std::sync::Arc;
 
-use crate::transport::{Builder, Unwatched, coated, diffuse, metal, shining};
+use crate::transport::{Builder, coated, diffuse, metal, shining};
 
 /// Something of everything that pixels share: an edge of a lamp, indirect light, a film.
 fn scene() -> Builder {

@@ -13,11 +13,10 @@ use exr::{ReadChannels, ReadLayers, WritableImage};
 use pellicle::collada;
 use pellicle::integrate::{PathLimits, Strategy};
 use pellicle::mode::Rgb;
-use pellicle::render::{Filter, Frame, Plan, render};
+use pellicle::render::{Filter, Frame, Plan, Unwatched, render};
 use pellicle::scene::{Camera, FilmOptions, Framing, Scene, Stage};
 
 use crate::statistics::{normal_tail, sidak};
-use crate::transport::Unwatched;
 
 const SIZE: [u32; 2] = [40, 30];
 const SPP: u32 = 64;

@@ -11,19 +11,10 @@ use pellicle::document::{
 };
 use pellicle::integrate::{PathLimits, Strategy};
 use pellicle::mode::{Mode, Rgb, Spectral};
-use pellicle::render::{Filter, Frame, Plan, Watch, render};
+use pellicle::render::{Filter, Frame, Plan, Unwatched, render};
 use pellicle::scene::{self, FilmOptions, Framing, Scene, Stage};
 
 use crate::statistics::{normal_tail, sidak};
-
-pub struct Unwatched;
-
-impl Watch for Unwatched {
-    fn advanced(&self, _samples: u64) {}
-    fn stop(&self) -> bool {
-        false
-    }
-}
 
 /// A document that is put together by hand.
 pub struct Builder(pub Document);

@@ -7,7 +7,7 @@ use crate::color::{Emission, Index, Lab, delta_e_2000};
 use crate::document::{Base, Document};
 use crate::error::Error;
 use crate::mode::Paired;
-use crate::render::{Filter, Frame, Plan, Watch, render};
+use crate::render::{Filter, Frame, Plan, Unwatched, render};
 use crate::scene::{Camera, Scene, Stage};
 
 /// The pilot: long side in pixels, samples per pixel, side of the blocks that are compared.
@@ -113,13 +113,4 @@ fn blocks(frame: &Frame) -> Vec<[f64; 3]> {
         }
     }
     sums.into_iter().map(|(sum, count)| sum.map(|c| c / f64::from(count))).collect()
-}
-
-struct Unwatched;
-
-impl Watch for Unwatched {
-    fn advanced(&self, _samples: u64) {}
-    fn stop(&self) -> bool {
-        false
-    }
 }

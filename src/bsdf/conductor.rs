@@ -39,8 +39,7 @@ impl<M: Mode> Conductor<'_, M> {
     pub(super) fn sample(&self, wo: Vec3, u: [f32; 3], waves: &M::Waves) -> Option<BsdfSample<M>> {
         if self.microfacets.is_smooth() {
             let weight = self.coat.split(Side::Outside, wo.z.abs(), waves).reflect;
-            let wi = Vec3::new(-wo.x, -wo.y, wo.z);
-            return Some(BsdfSample { wi, weight, pdf: Pdf::Delta, collapses: false });
+            return Some(BsdfSample::mirrored(wo, weight));
         }
         let up = upper(wo);
         let Some((missing, _)) = &self.multiple else { return self.sample_facet(wo, up, [u[1], u[2]], waves) };

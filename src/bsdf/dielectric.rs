@@ -177,8 +177,7 @@ impl<M: Mode> Dielectric<'_, M> {
         }
         let Some(multiple) = &self.multiple else {
             let weight = self.coat.split(side_of(wo), wo.z.abs(), waves).reflect * (1.0 / shares.scatters);
-            let wi = Vec3::new(-wo.x, -wo.y, wo.z);
-            return Some(BsdfSample { wi, weight, pdf: Pdf::Delta, collapses: false });
+            return Some(BsdfSample::mirrored(wo, weight));
         };
         u[0] /= shares.scatters;
         self.sample_rough(multiple, &shares, wo, u, waves)
@@ -191,8 +190,7 @@ impl<M: Mode> Dielectric<'_, M> {
         let split = self.coat.split(side, up.z, waves);
         let reflect = self.mirror_chance(&split);
         if u < reflect {
-            let (wi, weight) = (Vec3::new(-wo.x, -wo.y, wo.z), split.reflect * (1.0 / reflect));
-            return Some(BsdfSample { wi, weight, pdf: Pdf::Delta, collapses: false });
+            return Some(BsdfSample::mirrored(wo, split.reflect * (1.0 / reflect)));
         }
         let eta = self.eta_across(side);
         let wi = refract(up, Vec3::Z, up.z, eta)?;

@@ -90,8 +90,7 @@ impl<M: Mode> CoatedDiffuse<'_, M> {
         let out = self.coat.split(Side::Outside, wo.z.abs(), waves);
         let mirror = self.mirror_chance(&out);
         if u[0] < mirror {
-            let wi = Vec3::new(-wo.x, -wo.y, wo.z);
-            return Some(BsdfSample { wi, weight: out.reflect * (1.0 / mirror), pdf: Pdf::Delta, collapses: false });
+            return Some(BsdfSample::mirrored(wo, out.reflect * (1.0 / mirror)));
         }
         let wi = square_to_cosine_hemisphere([u[1], u[2]]);
         let wi = Vec3::new(wi.x, wi.y, wi.z.copysign(wo.z));

@@ -32,6 +32,9 @@ pub enum Bsdf<'s, M: Mode> {
     CoatedDiffuse(CoatedDiffuse<'s, M>),
 }
 
+/// What an interface mirrors is worth being followed apart where the chance of it lies here.
+const WORTH_TWO: std::ops::Range<f32> = 1e-4..0.999;
+
 /// A direction drawn from a BSDF.
 pub struct BsdfSample<M: Mode> {
     pub wi: Vec3,
@@ -40,6 +43,14 @@ pub struct BsdfSample<M: Mode> {
     pub pdf: Pdf,
     /// True when only the lane that decided the direction travels on ([`Mode::collapse`]).
     pub collapses: bool,
+}
+
+impl<M: Mode> BsdfSample<M> {
+    /// What a smooth interface mirrors.
+    #[inline]
+    fn mirrored(wo: Vec3, weight: M::Light) -> Self {
+        Self { wi: Vec3::new(-wo.x, -wo.y, wo.z), weight, pdf: Pdf::Delta, collapses: false }
+    }
 }
 
 /// How likely a direction was to be drawn.
@@ -89,25 +100,25 @@ impl<M: Mode> Bsdf<'_, M> {
         }
     }
 
-    /// The chance that [`Bsdf::sample`] mirrors, and its first number is below it: of smooth interfaces.
+    /// All that a smooth interface mirrors, which is never sampled from then on; `None`, and nothing changes, where there is no
+    /// such interface or it hardly does anything else or hardly mirrors.
     #[inline]
-    pub fn mirror_chance(&self, wo: Vec3, waves: &M::Waves) -> Option<f32> {
-        match self {
+    pub fn split_mirror(&mut self, wo: Vec3, waves: &M::Waves) -> Option<BsdfSample<M>> {
+        let (reflect, chance, mirrors) = match self {
             Self::Dielectric(bsdf) if bsdf.multiple.is_none() => {
-                Some(bsdf.mirror_chance(&bsdf.coat.split(side_of(wo), wo.z.abs(), waves)))
+                let split = bsdf.coat.split(side_of(wo), wo.z.abs(), waves);
+                (split.reflect, bsdf.mirror_chance(&split), &mut bsdf.mirrors)
             }
-            Self::CoatedDiffuse(bsdf) => Some(bsdf.mirror_chance(&bsdf.coat.split(Side::Outside, wo.z.abs(), waves))),
-            _ => None,
-        }
-    }
-
-    /// Leaves what smooth interfaces mirror to the caller.
-    pub fn without_mirror(&mut self) {
-        match self {
-            Self::Dielectric(bsdf) => bsdf.mirrors = false,
-            Self::CoatedDiffuse(bsdf) => bsdf.mirrors = false,
-            _ => {}
-        }
+            Self::CoatedDiffuse(bsdf) => {
+                let split = bsdf.coat.split(Side::Outside, wo.z.abs(), waves);
+                (split.reflect, bsdf.mirror_chance(&split), &mut bsdf.mirrors)
+            }
+            _ => return None,
+        };
+        WORTH_TWO.contains(&chance).then(|| {
+            *mirrors = false;
+            BsdfSample::mirrored(wo, reflect)
+        })
     }
 
     /// Factor by which radiance is diluted when light crosses the surface: eta^2 of the side that the path enters over the

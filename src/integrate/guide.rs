@@ -179,6 +179,12 @@ impl Leaf {
         Some(Frame::new(axis).to_world(square_to_cauchy([u[1], u[2]], width)))
     }
 
+    /// Density of a direction that is drawn here with the leaf's chance and from the surface otherwise.
+    #[inline]
+    pub fn mixed(&self, surface_pdf: f32, guided_pdf: f32) -> f32 {
+        surface_pdf + self.chance * (guided_pdf - surface_pdf)
+    }
+
     /// Density of [`Leaf::sample`], 1/sr.
     #[inline(never)]
     pub fn pdf(&self, from: Vec3, wi: Vec3) -> f32 {

@@ -15,8 +15,6 @@ use crate::scene::{Interior, Material, Scene, Surface};
 
 /// Surfaces that one path may pass straight through.
 const MAX_THROUGH: u32 = 256;
-/// Both what is mirrored and what is not are followed where the chance of the first lies here.
-const WORTH_TWO: std::ops::Range<f32> = 1e-4..0.999;
 /// Ways that are tried besides a path's own where thrown light rules.
 const WAYS_LOG2: u32 = 2;
 pub(super) const WAYS: u32 = 1 << WAYS_LOG2;
@@ -274,13 +272,10 @@ impl<M: Mode> Path<M> {
     /// bright reflections of lamps and what lies behind them would both be noisy.
     #[inline]
     pub(super) fn split(&self, vertex: &mut Vertex<M>, tactics: &Tactics) -> Option<Self> {
-        let chance = vertex.bsdf.mirror_chance(vertex.wo, &self.waves).filter(|chance| WORTH_TWO.contains(chance))?;
+        let sample = vertex.bsdf.split_mirror(vertex.wo, &self.waves)?;
         let mut mirrored = self.clone();
         mirrored.radiance = M::Light::ZERO;
         mirrored.sampler = self.sampler.part(0, 0);
-        mirrored.throughput = self.throughput * chance;
-        let sample = vertex.bsdf.sample(vertex.wo, [0.0; 3], &self.waves)?;
-        vertex.bsdf.without_mirror();
         mirrored.take((vertex, Kept::Nothing), sample, tactics).then_some(mirrored)
     }
 
@@ -354,7 +349,7 @@ impl<M: Mode> Path<M> {
 /// Density of a path's own direction and the sum of those of the ways besides; `pdf` is that of the surface alone.
 fn densities<M: Mode>(x: &Vertex<M>, leaf: &Leaf, toward: Vec3, pdf: f32) -> [f32; 2] {
     let guided = leaf.pdf(x.surface.position, toward);
-    [pdf + leaf.chance * (guided - pdf), WAYS as f32 * guided]
+    [leaf.mixed(pdf, guided), WAYS as f32 * guided]
 }
 
 /// Weight of light that a ray ran into. `densities`: of the scattered ray, and of light sampling for the same direction.

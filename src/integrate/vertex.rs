@@ -62,7 +62,7 @@ impl<'s, M: Mode> Vertex<'s, M> {
     #[inline]
     pub fn density(&self, wi: Vec3, pdf: f32) -> f32 {
         match self.guide {
-            Some(leaf) => pdf + leaf.chance * (leaf.pdf(self.surface.position, wi) - pdf),
+            Some(leaf) => leaf.mixed(pdf, leaf.pdf(self.surface.position, wi)),
             None => pdf,
         }
     }

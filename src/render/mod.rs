@@ -73,6 +73,16 @@ pub trait Watch: Sync {
     fn done(&self, _sums: &Accumulation) {}
 }
 
+/// Nobody looks on: a render that is a part of something else, or that is timed.
+pub struct Unwatched;
+
+impl Watch for Unwatched {
+    fn advanced(&self, _samples: u64) {}
+    fn stop(&self) -> bool {
+        false
+    }
+}
+
 #[derive(Debug, Error)]
 pub enum RenderError {
     /// A panic. The sums hold whole tiles: what was rendered besides is there, and can be saved.

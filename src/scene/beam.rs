@@ -30,6 +30,11 @@ impl Beam {
         0.5 * (self.low + self.high)
     }
 
+    /// Of its box, squared.
+    pub fn diagonal2(&self) -> f32 {
+        (self.high - self.low).length_squared()
+    }
+
     /// What both send.
     pub fn with(&self, other: &Self) -> Self {
         let (axis, half_angle) = common_cone((self.axis, self.half_angle), (other.axis, other.half_angle));
@@ -51,7 +56,7 @@ impl Beam {
         let w = (o + spread).min(PI);
         let directions = 2.0 * PI * (1.0 - o.cos())
             + 0.5 * PI * (2.0 * w * o.sin() - (o - 2.0 * w).cos() - 2.0 * o * o.sin() + o.cos());
-        self.intensity * directions * (self.high - self.low).length_squared()
+        self.intensity * directions * self.diagonal2()
     }
 }
 

@@ -112,8 +112,8 @@ pub(super) fn disc_radiance(irradiance: &Source, one_minus_cos: f32) -> Source {
 }
 
 impl Emitter {
-    /// What it sends into the scene, if it has a place there and fades with the distance. `strength`: greatest intensity, mean over
-    /// the colours.
+    /// What it sends into the scene, if it has a place there and fades with the distance. `strength`: greatest intensity, mean
+    /// over the colours.
     pub(super) fn beam(&self, strength: f32) -> Option<Beam> {
         match self {
             Self::Triangle(triangle) => Some(triangle.beam(strength)),

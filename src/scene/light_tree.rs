@@ -22,6 +22,13 @@ const SMALLEST_COS: f32 = 0.01;
 /// Rounding that must not make a light dark that shines just so.
 const COS_SLACK: f32 = 1e-4;
 
+/// What a light takes in the tree, with two nodes, and while that is made.
+pub const BYTES_PER_LIGHT: usize = 2 * size_of::<Node>()
+    + size_of::<(u32, f64)>()
+    + size_of::<u32>()
+    + size_of::<(u32, Beam)>()
+    + size_of::<Option<Beam>>();
+
 /// Lights with a place, and how one of them is chosen.
 pub struct LightTree {
     /// The root first; the first half of a node follows it.
@@ -62,7 +69,8 @@ impl LightTree {
                 beam.filter(|b| b.intensity > 0.0 && b.intensity.is_finite()).map(|b| (index, b))
             })
             .collect();
-        let mut tree = Self { nodes: Vec::new(), order: Vec::new(), place: vec![u32::MAX; beams.len()] };
+        let (nodes, order) = (Vec::with_capacity(2 * lights.len()), Vec::with_capacity(lights.len() + 1));
+        let mut tree = Self { nodes, order, place: vec![u32::MAX; beams.len()] };
         if !lights.is_empty() {
             let count = lights.len();
             tree.grow(&mut lights, 0..count);
@@ -82,15 +90,15 @@ impl LightTree {
         let number = self.nodes.len();
         let own = &mut lights[part.clone()];
         let whole = join(own);
-        let diagonal2 = |beam: &Beam| (beam.high - beam.low).length_squared();
-        let filled = own.iter().map(|(_, beam)| diagonal2(beam)).sum::<f32>() > 0.5 * diagonal2(&whole);
+        let filled = own.iter().map(|(_, beam)| beam.diagonal2()).sum::<f32>() > 0.5 * whole.diagonal2();
         self.nodes.push(Node {
             center: whole.center(),
-            radius2: 0.25 * (whole.high - whole.low).length_squared(),
+            radius2: 0.25 * whole.diagonal2(),
             axis: whole.axis,
             cos_half_angle: whole.half_angle.cos(),
             sin_half_angle: whole.half_angle.sin(),
             cos_spread: whole.spread.cos(),
+            // In f64: the shares of a million lamps must add up.
             intensity: own.iter().map(|(_, beam)| f64::from(beam.intensity)).sum::<f64>() as f32,
             two_sided: whole.two_sided,
             flat: filled && whole.half_angle.cos() > FLAT_COS,
@@ -113,7 +121,7 @@ impl LightTree {
         self.nodes.first().map_or(0.0, |root| root.importance(from))
     }
 
-    /// An emitter and the chance of it, from one number in [0, 1). `None` where no light shines.
+    /// An emitter and the chance of it, from one number in [0, 1). `None` where several lights are told apart and none shines.
     pub fn sample(&self, from: Vec3, mut u: f32) -> Option<(usize, f32)> {
         let (node, chance) = self.descend(from, |_, first| {
             let is_first = u < first;
@@ -151,9 +159,6 @@ impl LightTree {
         let mut index = 0;
         let mut node = self.nodes.first()?;
         let mut chance = 1.0;
-        if node.importance(from) == 0.0 {
-            return None;
-        }
         while node.second != 0 && !node.is_one(from) {
             let halves = [index + 1, node.second as usize].map(|half| self.nodes[half].importance(from));
             let sum = halves[0] + halves[1];
@@ -215,6 +220,14 @@ fn join(lights: &[(u32, Beam)]) -> Beam {
     lights[1..].iter().fold(first, |whole, (_, beam)| whole.with(beam))
 }
 
+/// What all that there are send.
+fn joined(a: Option<Beam>, b: Option<Beam>) -> Option<Beam> {
+    match (a, b) {
+        (Some(a), Some(b)) => Some(a.with(&b)),
+        _ => a.or(b),
+    }
+}
+
 /// Puts lights in an order in which a cut makes two cheap halves, and returns how many the first has: of all cuts between
 /// bins along an axis the one whose halves cost least, or the middle where the lights are all in one place.
 fn split(lights: &mut [(u32, Beam)], whole: &Beam) -> usize {
@@ -232,7 +245,7 @@ fn split(lights: &mut [(u32, Beam)], whole: &Beam) -> usize {
         let mut bins = [None::<Beam>; BINS];
         for (_, beam) in lights.iter() {
             let bin = &mut bins[bin(beam, axis)];
-            *bin = Some(bin.map_or(*beam, |known| known.with(beam)));
+            *bin = joined(*bin, Some(*beam));
         }
         // Thin slices of a long box are better than long ones.
         let regular = size.max_element() / size[axis];
@@ -240,7 +253,7 @@ fn split(lights: &mut [(u32, Beam)], whole: &Beam) -> usize {
             let mut sum = None::<Beam>;
             let mut costs = [0.0; BINS];
             for i in order {
-                sum = bins[i].map_or(sum, |beam| Some(sum.map_or(beam, |known| known.with(&beam))));
+                sum = joined(sum, bins[i]);
                 costs[i] = sum.map_or(0.0, |sum| sum.cost());
             }
             costs

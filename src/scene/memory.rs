@@ -6,6 +6,7 @@ use glam::Mat4;
 
 use super::BuildError;
 use super::light::Emitter;
+use super::light_tree::BYTES_PER_LIGHT;
 use super::surface::{Part, Place};
 use crate::document::{Document, Item, Mesh, Shape};
 
@@ -16,8 +17,6 @@ const VERTEX_BYTES: u64 = 24;
 const UV_BYTES: u64 = 8;
 /// Embree's instance and its share of the BVH over instances.
 const INSTANCE_BYTES: u64 = 1000;
-/// What drawing a light takes besides the light: two nodes of the tree, and what they are made from.
-const CHOICE_BYTES: u64 = 240;
 
 /// What is left of `limit` bytes once the scene's shapes and lights are built.
 ///
@@ -41,7 +40,8 @@ pub fn check(document: &Document, placements: &[(usize, Mat4)], limit: u64) -> R
             for group in &mesh.groups {
                 let shining = bindings.iter().any(|b| b.symbol == group.symbol && shines(b.material));
                 let emitters = if shining { group.triangles.len() as u64 } else { 0 };
-                let own = emitters * (size_of::<Emitter>() as u64 + CHOICE_BYTES) + size_of::<Part>() as u64;
+                let bytes_per_emitter = (size_of::<Emitter>() + BYTES_PER_LIGHT) as u64;
+                let own = emitters * bytes_per_emitter + size_of::<Part>() as u64;
                 bytes = bytes.saturating_add(own);
             }
         }

@@ -26,7 +26,6 @@ mod preset_sheet;
 pub mod report;
 mod spectra;
 mod swatch;
-mod undisturbed;
 
 pub use coating::Coating;
 pub use colours::{colour_csv, colour_rows};

@@ -9,11 +9,10 @@ use pellicle::collada::{LoadOptions, load};
 use pellicle::integrate::{PathLimits, Strategy};
 use pellicle::mode::{Mode, Rgb, Spectral};
 use pellicle::output::{Display, PngDepth};
-use pellicle::render::{Accumulation, Filter, Plan};
+use pellicle::render::{Accumulation, Filter, Plan, Unwatched};
 use pellicle::scene::{FilmOptions, Framing, Raster};
 
 use super::*;
-use crate::transport::Unwatched;
 
 /// A still without anything special.
 pub fn plan(size: [u32; 2], spp: u32) -> StillPlan {

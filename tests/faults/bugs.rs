@@ -13,11 +13,11 @@ use pellicle::document::{
 use pellicle::error::Error;
 use pellicle::integrate::{PathLimits, Strategy};
 use pellicle::mode::Rgb;
-use pellicle::render::{Accumulation, Filter, Plan, RenderError, accumulate};
+use pellicle::render::{Accumulation, Filter, Plan, RenderError, Unwatched, accumulate};
 use pellicle::scene::{Camera, FilmOptions, Framing, Raster, Scene, Stage};
 
 use super::*;
-use crate::transport::{Builder, Unwatched, material};
+use crate::transport::{Builder, material};
 
 const SIZE: [u32; 2] = [48, 48];
 

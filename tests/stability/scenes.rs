@@ -6,11 +6,11 @@ use glam::{Mat4, Vec3};
 use pellicle::document::{AreaShape, Falloff, Group, LightKind, Material, Mesh, Presence, Shape};
 use pellicle::integrate::{PathLimits, Strategy};
 use pellicle::mode::{Mode, Rgb, Spectral};
-use pellicle::render::{Filter, Frame, Plan, render};
+use pellicle::render::{Filter, Frame, Plan, Unwatched, render};
 use pellicle::scene::{self, FilmOptions, Framing, Scene, Stage};
 
 use super::Count;
-use crate::transport::{Builder, Unwatched, coated, diffuse, glass, mean, metal, quad, shining};
+use crate::transport::{Builder, coated, diffuse, glass, mean, metal, quad, shining};
 
 const LIMITS: PathLimits = PathLimits { max_bounces: 6, strategy: Strategy::Shared };
 

@@ -7,9 +7,8 @@ use crate::batch::still::{Prepared, StillPlan, prepare};
 use crate::document::Document;
 use crate::error::Error;
 use crate::mode::{Rgb, Spectral};
-use crate::render::Frame;
+use crate::render::{Frame, Unwatched};
 use crate::scene::{Camera, Stage};
-use crate::study::undisturbed::Undisturbed;
 
 /// A scene on its stage, before a colour transport.
 #[derive(Clone)]
@@ -48,10 +47,10 @@ impl Shot {
     /// Threads that the machine cannot give.
     pub(super) fn render(&self, plan: &StillPlan) -> Result<Frame, Error> {
         match self {
-            Self::Rgb(scene) => scene.render(plan, &Undisturbed),
-            Self::Four(scene) => scene.render(plan, &Undisturbed),
-            Self::Eight(scene) => scene.render(plan, &Undisturbed),
-            Self::Sixteen(scene) => scene.render(plan, &Undisturbed),
+            Self::Rgb(scene) => scene.render(plan, &Unwatched),
+            Self::Four(scene) => scene.render(plan, &Unwatched),
+            Self::Eight(scene) => scene.render(plan, &Unwatched),
+            Self::Sixteen(scene) => scene.render(plan, &Unwatched),
         }
     }
 }

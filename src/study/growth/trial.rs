@@ -10,10 +10,9 @@ use crate::document::Document;
 use crate::error::Error;
 use crate::integrate::{PathLimits, Strategy};
 use crate::mode::Mode;
-use crate::render::{self, CpuClock, Filter, Frame, Plan, peak_rss_mb};
+use crate::render::{self, CpuClock, Filter, Frame, Plan, Unwatched, peak_rss_mb};
 use crate::scene::{BuildError, Camera, FilmOptions, Framing, LightGroups, Scene, Stage};
 use crate::study::metrics::{Image, squared_errors};
-use crate::study::undisturbed::Undisturbed;
 
 /// What is built in less is built so many times, to see past what disturbs it. Longer ones are not: memory that has been
 /// used before would make them quicker than they are.
@@ -90,7 +89,7 @@ pub(super) fn measure<M: Mode>(
     // What the first of all scenes pays for, the others find ready.
     let any = scenes::room();
     let (scene, _) = build::<M>(machine, &any).map_err(failed)?;
-    render::render(&scene, &camera_of(&any, &scene, 8)?.0, &plan, &Undisturbed)?;
+    render::render(&scene, &camera_of(&any, &scene, 8)?.0, &plan, &Unwatched)?;
     drop((any, scene));
 
     let before_mb = peak_rss_mb();
@@ -105,10 +104,10 @@ pub(super) fn measure<M: Mode>(
     }
     let (camera, _) = camera_of(&document, &scene, shots.side)?;
     // The first render brings the scene into the caches.
-    render::render(&scene, &camera.resized([64; 2]), &Plan { spp: 1, ..plan }, &Undisturbed)?;
+    render::render(&scene, &camera.resized([64; 2]), &Plan { spp: 1, ..plan }, &Unwatched)?;
     let mut frames = Vec::new();
     for seed in 0..shots.renders {
-        frames.push(render::render(&scene, &camera, &Plan { seed, ..plan }, &Undisturbed)?);
+        frames.push(render::render(&scene, &camera, &Plan { seed, ..plan }, &Unwatched)?);
     }
     let threads = frames.first().map_or(1, |frame| frame.threads);
     let sample_us = |frame: &Frame| 1e6 * frame.render_cpu_s / (threads as f64 * frame.total as f64);
