@@ -292,6 +292,23 @@ fn finds_are_shared_fairly_where_surfaces_touch() {
     assert_same_picture(&mis, &shared, "mis and shared");
 }
 
+/// Glass and soap in front of each other and of a varnished floor: what each interface mirrors and what it lets through are
+/// followed apart, and come back to the pixel that they belong to.
+#[test]
+fn what_smooth_interfaces_split_adds_up() {
+    let mut scene = Builder::seen_from(Vec3::new(0.0, 1.0, 4.0), 40.0);
+    scene.floor(Vec3::ZERO, 3.0, coated(diffuse(0.6), 1.4, 300.0));
+    scene.sphere(Vec3::new(-0.6, 0.6, 0.5), 0.55, glass(1.5, 0.0));
+    scene.sphere(Vec3::new(0.2, 0.7, 1.2), 0.5, coated(glass(1.0, 0.0), 1.33, 400.0));
+    scene.sphere(Vec3::new(0.7, 0.8, 0.0), 0.5, coated(glass(1.0, 0.0), 1.33, 250.0));
+    scene.sphere(Vec3::new(0.5, 3.0, 1.5), 0.6, shining(diffuse(0.0), 8.0));
+    scene.sky(0.2);
+    // What the lamp does in the third mirror is rare where one way is chosen: more samples, until their variance tells.
+    let [mis, shared] =
+        [(Strategy::Mis, 4096), (Strategy::Shared, 1024)].map(|(strategy, spp)| scene.render(32, spp, 8, strategy, 0));
+    assert_same_picture(&mis, &shared, "mis and shared");
+}
+
 /// Where a ball gathers light several ways on are tried for one path, also behind a mirror: weighed together they are still
 /// one.
 #[test]

@@ -32,9 +32,6 @@ pub enum Bsdf<'s, M: Mode> {
     CoatedDiffuse(CoatedDiffuse<'s, M>),
 }
 
-/// What an interface mirrors is worth being followed apart where the chance of it lies here.
-const WORTH_TWO: std::ops::Range<f32> = 1e-4..0.999;
-
 /// A direction drawn from a BSDF.
 pub struct BsdfSample<M: Mode> {
     pub wi: Vec3,
@@ -101,9 +98,9 @@ impl<M: Mode> Bsdf<'_, M> {
     }
 
     /// All that a smooth interface mirrors, which is never sampled from then on; `None`, and nothing changes, where there is no
-    /// such interface or it hardly does anything else or hardly mirrors.
+    /// such interface, or the chance of mirroring or that of anything else is below `least`.
     #[inline]
-    pub fn split_mirror(&mut self, wo: Vec3, waves: &M::Waves) -> Option<BsdfSample<M>> {
+    pub fn split_mirror(&mut self, wo: Vec3, least: f32, waves: &M::Waves) -> Option<BsdfSample<M>> {
         let (reflect, chance, mirrors) = match self {
             Self::Dielectric(bsdf) if bsdf.multiple.is_none() => {
                 let split = bsdf.coat.split(side_of(wo), wo.z.abs(), waves);
@@ -115,7 +112,7 @@ impl<M: Mode> Bsdf<'_, M> {
             }
             _ => return None,
         };
-        WORTH_TWO.contains(&chance).then(|| {
+        (chance.min(1.0 - chance) >= least).then(|| {
             *mirrors = false;
             BsdfSample::mirrored(wo, reflect)
         })

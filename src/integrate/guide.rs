@@ -33,6 +33,12 @@ const DIRECT_SHARE: f32 = 0.1;
 const INDIRECT_SHARE: f32 = 0.3;
 /// Below this chance a leaf is not worth asking.
 const WORTHWHILE: f32 = 0.05;
+/// Least chance of a guide for several ways to pay. At 0.4 they cost more than they gain, at 0.7 half the gain is left.
+const FORK_CHANCE: f32 = 0.5;
+/// Ways that are tried besides a path's own where thrown light rules; and in proportion up to 2^this times as many where it is
+/// brighter than what comes straight from lamps and from other surfaces that they light.
+const WAYS: u32 = 4;
+const MORE_WAYS_LOG2: u32 = 2;
 /// The cone of a point reaches to so many neighbours.
 const NEIGHBOUR: usize = 3;
 
@@ -61,6 +67,8 @@ pub(super) struct Leaf {
     high: Vec3,
     /// The chance to sample these instead of the surface.
     pub chance: f32,
+    /// How many ways on are worth trying from here besides a path's own: none, or a power of two.
+    pub ways: u32,
     /// How the points that throw light move with the point that they throw it to.
     drift: Mat3,
     /// Points that threw light, by coordinate, moved to where they would be for the origin; and the squared radius of what
@@ -153,8 +161,12 @@ impl Leaf {
         let chance = (thrown / (thrown + easy)).min(MOST);
         let margin = 0.25 * size + size.max_element() * 0.05;
         let points = [points.map(|p| p.x), points.map(|p| p.y), points.map(|p| p.z)];
-        let mut leaf = Self { low: low - margin, high: high + margin, chance, drift, points, radius2 };
+        let mut leaf = Self { low: low - margin, high: high + margin, chance, ways: 0, drift, points, radius2 };
         leaf.chance *= leaf.narrowness(photons);
+        if leaf.chance >= FORK_CHANCE {
+            let lit = photons.iter().map(|p| p.direct + p.indirect).sum::<f32>() / count;
+            leaf.ways = WAYS << ((thrown / lit).max(1.0).log2() as u32).min(MORE_WAYS_LOG2);
+        }
         leaf
     }
 

@@ -7,7 +7,7 @@ use super::guide::{Guide, Leaf};
 use super::post::Kept;
 use super::vertex::Vertex;
 use super::{PathLimits, Strategy, Tactics, Tally, mis_weight};
-use crate::bsdf::{BsdfSample, Pdf};
+use crate::bsdf::{Bsdf, BsdfSample, Pdf};
 use crate::embree::Ray;
 use crate::math::Sampler;
 use crate::mode::{Lanes, Mode};
@@ -15,9 +15,9 @@ use crate::scene::{Interior, Material, Scene, Surface};
 
 /// Surfaces that one path may pass straight through.
 const MAX_THROUGH: u32 = 256;
-/// Ways that are tried besides a path's own where thrown light rules.
-const WAYS_LOG2: u32 = 2;
-pub(super) const WAYS: u32 = 1 << WAYS_LOG2;
+/// Two ways on from a smooth interface are both followed where each carries this share of what the pixel sees, as far as
+/// interfaces tell. Ten times as much costs bubbles a third of the gain; with a third, other scenes pay more for it.
+const WORTH_TWO: f32 = 3e-3;
 /// Bounces before Russian roulette begins.
 pub(super) const SURE_BOUNCES: u32 = 3;
 
@@ -54,6 +54,8 @@ pub struct Path<M: Mode> {
     ///
     /// [`seen_light`]: super::seen_light
     blind: bool,
+    /// True while all that has turned the path is smooth: one sees sharply what it comes to.
+    sharp: bool,
 }
 
 /// What a path comes to at the end of its ray.
@@ -86,6 +88,7 @@ impl<M: Mode> Path<M> {
             apart_at: u32::MAX,
             apart: M::Light::ZERO,
             blind,
+            sharp: true,
         }
     }
 
@@ -246,6 +249,7 @@ impl<M: Mode> Path<M> {
             Pdf::SolidAngle(pdf) => {
                 let draws = (1 << self.draws_log2(tactics)) as f32;
                 self.scattered = Some((vertex.surface.position, pdf / draws));
+                self.sharp = false;
             }
         }
         self.bounce += 1;
@@ -262,27 +266,27 @@ impl<M: Mode> Path<M> {
         true
     }
 
-    /// True at surfaces that are seen directly, or through others that bend nothing.
-    #[inline]
-    pub(super) fn may_split(&self, tactics: &Tactics) -> bool {
-        self.bounce == 0 && tactics.limits.strategy == Strategy::Shared
-    }
-
-    /// Leaves the path what a smooth interface does not mirror, and returns one for what it does: chosen between at random,
-    /// bright reflections of lamps and what lies behind them would both be noisy.
+    /// Leaves the path what a smooth interface does not mirror, and returns one for what it does, where both are worth it and
+    /// are seen sharply: chosen between at random, bright reflections of lamps and what lies behind them would both be noisy.
     #[inline]
     pub(super) fn split(&self, vertex: &mut Vertex<M>, tactics: &Tactics) -> Option<Self> {
-        let sample = vertex.bsdf.split_mirror(vertex.wo, &self.waves)?;
+        // A matte base is costly to follow, and little of it is seen in mirrors.
+        let is_clear = matches!(vertex.bsdf, Bsdf::Dielectric(_));
+        if !self.sharp || !(is_clear || self.bounce == 0) || tactics.limits.strategy != Strategy::Shared {
+            return None;
+        }
+        let least = WORTH_TWO / (self.throughput.max() * self.importance);
+        let sample = vertex.bsdf.split_mirror(vertex.wo, least, &self.waves)?;
         let mut mirrored = self.clone();
         mirrored.radiance = M::Light::ZERO;
         mirrored.sampler = self.sampler.part(0, 0);
         mirrored.take((vertex, Kept::Nothing), sample, tactics).then_some(mirrored)
     }
 
-    /// Another way on from x, number `way` of several: towards where photons came from.
+    /// Another way on from x, number `way` of the leaf's: towards where photons came from.
     pub(super) fn way(&self, way: u32, (x, leaf): (&Vertex<M>, &Leaf), tactics: &Tactics) -> Option<Self> {
         let mut path = self.clone();
-        path.sampler = self.sampler.part(WAYS_LOG2, way);
+        path.sampler = self.sampler.part(leaf.ways.ilog2(), way);
         // The first set of the parts is that of drawn lights.
         path.sampler.next_4d();
         let [u_x, u_y, u_lobe, _] = path.sampler.next_4d();
@@ -291,7 +295,7 @@ impl<M: Mode> Path<M> {
         let wi = x.local(toward)?;
         let (value, pdf) = x.bsdf.eval(x.wo, wi, &path.waves);
         let [density, ways] = densities(x, leaf, toward, pdf);
-        path.importance *= density / pdf * WAYS as f32;
+        path.importance *= density / pdf * leaf.ways as f32;
         let weight = value * (1.0 / (density + ways));
         let sample = BsdfSample { wi, weight, pdf: Pdf::SolidAngle(pdf), collapses: false };
         (pdf > 0.0 && path.take((x, Kept::X), sample, tactics)).then_some(path)
@@ -349,7 +353,7 @@ impl<M: Mode> Path<M> {
 /// Density of a path's own direction and the sum of those of the ways besides; `pdf` is that of the surface alone.
 fn densities<M: Mode>(x: &Vertex<M>, leaf: &Leaf, toward: Vec3, pdf: f32) -> [f32; 2] {
     let guided = leaf.pdf(x.surface.position, toward);
-    [leaf.mixed(pdf, guided), WAYS as f32 * guided]
+    [leaf.mixed(pdf, guided), leaf.ways as f32 * guided]
 }
 
 /// Weight of light that a ray ran into. `densities`: of the scattered ray, and of light sampling for the same direction.

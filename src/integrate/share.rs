@@ -7,7 +7,7 @@ use arrayvec::ArrayVec;
 
 use super::direct::MOST_DRAWS_LOG2;
 use super::guide::Leaf;
-use super::path::{Arrival, Path, WAYS};
+use super::path::{Arrival, Path};
 use super::post::{Kept, Post, hand_out};
 use super::vertex::Vertex;
 use super::{Tactics, Tally};
@@ -59,6 +59,10 @@ pub fn radiances<M: Mode>(
         let (of, mut group): (ArrayVec<usize, GROUP>, ArrayVec<Path<M>, GROUP>) =
             besides.mirrored.drain(rest..).unzip();
         radiances_of_group(scene, tactics, &mut group, &mut besides, tally);
+        // What split off from these belongs to the same paths.
+        for (number, _) in &mut besides.mirrored[rest..] {
+            *number = of[*number];
+        }
         for (of, path) in of.into_iter().zip(&group) {
             paths[of].radiance += path.radiance;
         }
@@ -95,13 +99,18 @@ fn other_ways<M: Mode>(
     scene: &Scene<M>,
     tactics: &Tactics,
     fork: &Path<M>,
-    x: (&Vertex<M>, &Leaf),
+    (x, leaf): (&Vertex<M>, &Leaf),
     tally: &mut Tally,
 ) -> M::Light {
-    let mut ways: ArrayVec<Path<M>, GROUP> = (0..WAYS).filter_map(|way| fork.way(way, x, tactics)).collect();
-    let mut posts: [Post<M>; GROUP] = std::array::from_fn(|_| Post::after_x(fork));
-    walk(scene, tactics, &mut ways, &mut posts, &mut Besides::new(), tally);
-    ways.iter().fold(M::Light::ZERO, |sum, way| sum + way.radiance)
+    let mut sum = M::Light::ZERO;
+    let mut ways = (0..leaf.ways).filter_map(|way| fork.way(way, (x, leaf), tactics)).peekable();
+    while ways.peek().is_some() {
+        let mut group: ArrayVec<Path<M>, GROUP> = ways.by_ref().take(GROUP).collect();
+        let mut posts: [Post<M>; GROUP] = std::array::from_fn(|_| Post::after_x(fork));
+        walk(scene, tactics, &mut group, &mut posts, &mut Besides::new(), tally);
+        sum = group.iter().fold(sum, |sum, way| sum + way.radiance);
+    }
+    sum
 }
 
 /// Takes paths on until all have ended.
@@ -139,7 +148,7 @@ fn walk<'s, M: Mode>(
                         active &= !(1 << i);
                         continue;
                     }
-                    if path.may_split(tactics) && !besides.mirrored.is_full() {
+                    if !besides.mirrored.is_full() {
                         besides.mirrored.extend(path.split(&mut vertex, tactics).map(|mirrored| (i, mirrored)));
                     }
                     for draw in 0..1 << path.draws_log2(tactics) {

@@ -10,8 +10,6 @@ use crate::scene::{Interior, Material, Scene, Surface};
 
 /// Smallest cosine between a bent shading normal and the viewer.
 const GRAZING: f32 = 1e-3;
-/// Least chance of a guide for several ways to pay. At 0.4 they cost more than they gain, at 0.7 half the gain is left.
-const FORK_CHANCE: f32 = 0.5;
 
 pub(super) struct Vertex<'s, M: Mode> {
     pub surface: Surface<'s>,
@@ -55,7 +53,7 @@ impl<'s, M: Mode> Vertex<'s, M> {
     /// Where thrown light rules and several ways on are worth trying, where they may lead.
     #[inline]
     pub fn fork(&self) -> Option<&'s Leaf> {
-        self.guide.filter(|leaf| leaf.chance >= FORK_CHANCE)
+        self.guide.filter(|leaf| leaf.ways > 0)
     }
 
     /// Density of scattering into `wi` (world space), where the surface alone would scatter with density `pdf`.

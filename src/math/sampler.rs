@@ -24,20 +24,25 @@ impl Sampler {
     }
 
     /// The stream of one of 2^`parts_log2` parts of this sample, for what is drawn several times at once. The parts of all
-    /// samples together are as well stratified as the samples.
+    /// samples together are as well stratified as the samples. Streams that part at different places have nothing in common.
     #[inline]
     pub fn part(&self, parts_log2: u32, part: u32) -> Self {
         let index = self.index_rev.reverse_bits() << parts_log2 | part;
-        let seed = hash(self.seed ^ hash(!(index >> LENGTH_LOG2)));
+        let seed = hash(self.set_seed() ^ hash(!(index >> LENGTH_LOG2)));
         Self { index_rev: (index & ((1 << LENGTH_LOG2) - 1)).reverse_bits(), seed, set: self.set }
+    }
+
+    #[inline]
+    fn set_seed(&self) -> u32 {
+        self.seed.wrapping_add(self.set.wrapping_mul(0x9e37_79b9))
     }
 
     /// Four numbers in [0, 1), jointly stratified over the samples of a pixel.
     #[inline]
     pub fn next_4d(&mut self) -> [f32; 4] {
-        let set = self.set;
+        let seed = self.set_seed();
         self.set += 1;
-        owen_sobol_4d(self.index_rev, self.seed.wrapping_add(set.wrapping_mul(0x9e37_79b9)))
+        owen_sobol_4d(self.index_rev, seed)
     }
 }
 
