@@ -107,7 +107,7 @@ def bubbles():
     (FOLDER / "bubbles_room.png").write_bytes(png(256, 128, bright_room))
     scene.environment((0.95, 1.03, 1.15), image="bubbles_room.png")
     scene.camera((0, 12.5, 64), (0, 8.9, 0), 33, 1.5, lens='<lens aperture_radius_m="0.007" focus_distance_m="0.625"/>')
-    scene.render(720, 480, spp=192, max_bounces=16, exposure_ev=1)
+    scene.render(720, 480, spp=64, max_bounces=16, exposure_ev=1)
     scene.save("bubbles")
 
 
