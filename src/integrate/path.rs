@@ -16,7 +16,7 @@ use crate::scene::{Interior, Material, Scene, Surface};
 /// Surfaces that one path may pass straight through.
 const MAX_THROUGH: u32 = 256;
 /// Two ways on from a smooth interface are both followed where each carries this share of what the pixel sees, as far as
-/// interfaces tell. Ten times as much costs bubbles a third of the gain; with a third, other scenes pay more for it.
+/// interfaces tell. Three times as much costs bubbles a quarter of the gain, ten times half of it; a third gains nothing.
 const WORTH_TWO: f32 = 3e-3;
 /// Bounces before Russian roulette begins.
 pub(super) const SURE_BOUNCES: u32 = 3;

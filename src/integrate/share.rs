@@ -19,7 +19,8 @@ use crate::scene::Scene;
 pub const GROUP: usize = BATCH;
 /// Sources of light that one surface draws at most.
 const DRAWS: usize = 1 << MOST_DRAWS_LOG2;
-/// Mirrored paths that a group follows besides its own: bubbles have two sides, and may stand behind each other.
+/// Mirrored paths of a group that may wait for their turn: bubbles have two sides, and may stand behind each other. While there
+/// is no room for more, chance chooses.
 const MIRRORED: usize = 4 * GROUP;
 
 /// Light that counts unless something stands in its way, of each draw and path.
