@@ -16,6 +16,7 @@ use super::dielectric::{is_straight, refract};
 use super::microfacet::Microfacets;
 use crate::document::Distribution;
 use crate::film::{Profile, Side, TERMS, term_means, terms};
+use crate::math::GOLDEN;
 use crate::mode::{Lanes, Mode};
 
 /// Roughnesses that a table holds where an image varies them: squares of even steps.
@@ -25,8 +26,6 @@ const COSINES: usize = 36;
 const COSINES_OF_TERMS: usize = 96;
 /// Facets per entry in one direction and in the other, of which symmetry saves one half.
 const FACETS: [usize; 2] = [40, 16];
-/// The golden ratio's fraction: shifts by it fill an interval evenly.
-const GOLDEN: f32 = 0.618_034;
 /// Losses below this share of the light are left alone.
 const NEGLIGIBLE: f32 = 5e-4;
 /// Where they have to be: 5 degrees above the horizon.
@@ -191,7 +190,7 @@ fn mean_over_facets<const K: usize, const S: usize>(
         };
         // Rows are shifted against each other (a lattice), so that total reflection does not set in between two columns of
         // all of them.
-        let shift = (0.5 + GOLDEN * j as f32).fract();
+        let shift = (0.5 + GOLDEN as f32 * j as f32).fract();
         for i in 0..FACETS[0] {
             // Rare facets, those that are tilted most, lose most: they lie at the ends.
             let t = (i as f32 + shift) / FACETS[0] as f32;

@@ -13,6 +13,9 @@ use glam::Vec3;
 pub use noise::perlin;
 pub use sampler::Sampler;
 
+/// The golden ratio's fraction, (sqrt(5) - 1) / 2: its multiples fill an interval evenly, however many there are.
+pub const GOLDEN: f64 = 0.618_033_988_749_894_8;
+
 /// Bytes in hexadecimal, as hashes are written.
 pub fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()

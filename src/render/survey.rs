@@ -15,13 +15,12 @@ use super::clock::CpuClock;
 use super::{Plan, RenderError, camera_sample, pool};
 use crate::embree::BATCH;
 use crate::integrate::{Clue, Looker, Sight, Wanted};
+use crate::math::GOLDEN;
 use crate::mode::Mode;
 use crate::scene::{Camera, Scene, Window};
 
 /// Samples that are looked at: enough for smooth edges, and a small share of what long renders take.
 const MOST_SAMPLES: u32 = 64;
-/// The golden ratio's fraction: its multiples cover the wavelengths evenly, however many there are.
-const GOLDEN: f64 = 0.618_033_988_749_895;
 
 /// Depth where there is no surface, metres.
 pub const FAR_M: f32 = 1e10;

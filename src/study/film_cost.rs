@@ -7,6 +7,7 @@ use glam::Vec3;
 
 use crate::color::{Emission, Lab, Sensor, delta_e_2000};
 use crate::film::{Range, RgbFilm, Rung, Side, SpectralFilm, choose, spectral};
+use crate::math::GOLDEN;
 use crate::mode::{Mode, Spectral};
 
 use super::coating::Coating;
@@ -191,9 +192,8 @@ impl Truth {
 
     /// CIEDE2000 of `reflect(cosine, thickness, a number in 0..1 that differs from place to place)`.
     fn errors(&self, reflect: impl Fn(f32, f32, f32) -> [f64; 3]) -> Vec<f64> {
-        let golden = 0.618_034f32;
         let error = |(i, &(mu, nm, truth)): (usize, &(f32, f32, Lab))| {
-            delta_e_2000(truth, Lab::from_linear_srgb(reflect(mu, nm, (i as f32 * golden).fract())))
+            delta_e_2000(truth, Lab::from_linear_srgb(reflect(mu, nm, (i as f32 * GOLDEN as f32).fract())))
         };
         self.points.iter().enumerate().map(error).collect()
     }
