@@ -18,6 +18,9 @@ const MAX_THROUGH: u32 = 256;
 /// Two ways on from a smooth interface are both followed where each carries this share of what the pixel sees, as far as
 /// interfaces tell. Three times as much costs bubbles a quarter of the gain, ten times half of it; a third gains nothing.
 const WORTH_TWO: f32 = 3e-3;
+/// A path that is seen sharply plays no Russian roulette while it carries this share: it was split off because it counts. A
+/// tenth as much gains bubbles 1.4 and costs wine 0.8 of the efficiency.
+const SURE_SHARP: f32 = 0.1;
 /// Bounces before Russian roulette begins.
 pub(super) const SURE_BOUNCES: u32 = 3;
 
@@ -255,9 +258,10 @@ impl<M: Mode> Path<M> {
         self.bounce += 1;
 
         // Play Russian roulette with what is left.
-        if self.bounce > SURE_BOUNCES {
+        let worth = self.throughput.max() * self.importance;
+        if self.bounce > SURE_BOUNCES && !(self.sharp && worth >= SURE_SHARP) {
             // The square root: noise grows by more than the time that killing the faint ones as they deserve would save.
-            let survival = (self.throughput.max() * self.importance).sqrt().min(0.95);
+            let survival = worth.sqrt().min(0.95);
             if self.u_light[3] >= survival {
                 return false;
             }

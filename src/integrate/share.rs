@@ -19,9 +19,9 @@ use crate::scene::Scene;
 pub const GROUP: usize = BATCH;
 /// Sources of light that one surface draws at most.
 const DRAWS: usize = 1 << MOST_DRAWS_LOG2;
-/// Mirrored paths of a group that may wait for their turn: bubbles have two sides, and may stand behind each other. While there
-/// is no room for more, chance chooses.
-const MIRRORED: usize = 4 * GROUP;
+/// Mirrored paths of a group that may wait for their turn: a photographic lens has many surfaces, and four groups would not do.
+/// While there is no room for more, chance chooses.
+const MIRRORED: usize = 16 * GROUP;
 
 /// Light that counts unless something stands in its way, of each draw and path.
 struct Doubts<L> {
