@@ -150,6 +150,7 @@ mod tests {
         }
         assert_eq!(groups([7, 500]).len(), 0);
     }
+
     /// Also of pictures whose sides are powers of two: steps of so many blocks would come back to the same column.
     #[test]
     fn trials_look_at_all_of_the_picture() {
