@@ -18,8 +18,9 @@ const MAX_THROUGH: u32 = 256;
 /// Two ways on from a smooth interface are both followed where each carries this share of what the pixel sees, as far as
 /// interfaces tell. Three times as much costs bubbles a quarter of the gain, ten times half of it; a third gains nothing.
 const WORTH_TWO: f32 = 3e-3;
-/// A path that is seen sharply plays no Russian roulette while it carries this share: it was split off because it counts. A
-/// tenth as much gains bubbles 1.4 and costs wine 0.8 of the efficiency.
+/// While all that turned a path is smooth and it carries this share, it plays no Russian roulette: lenses and bubbles split
+/// such paths off to keep their noise out, and it would come back. A tenth as much gains bubbles 1.4 and costs wine 0.8 of
+/// the efficiency.
 const SURE_SHARP: f32 = 0.1;
 /// Bounces before Russian roulette begins.
 pub(super) const SURE_BOUNCES: u32 = 3;
@@ -258,16 +259,21 @@ impl<M: Mode> Path<M> {
         self.bounce += 1;
 
         // Play Russian roulette with what is left.
-        let worth = self.throughput.max() * self.importance;
-        if self.bounce > SURE_BOUNCES && !(self.sharp && worth >= SURE_SHARP) {
+        if self.bounce > SURE_BOUNCES && !(self.sharp && self.worth() >= SURE_SHARP) {
             // The square root: noise grows by more than the time that killing the faint ones as they deserve would save.
-            let survival = worth.sqrt().min(0.95);
+            let survival = self.worth().sqrt().min(0.95);
             if self.u_light[3] >= survival {
                 return false;
             }
             self.throughput = self.throughput * (1.0 / survival);
         }
         true
+    }
+
+    /// The share of what the pixel sees that the path is expected to bring.
+    #[inline]
+    fn worth(&self) -> f32 {
+        self.throughput.max() * self.importance
     }
 
     /// Leaves the path what a smooth interface does not mirror, and returns one for what it does, where both are worth it and
@@ -279,7 +285,7 @@ impl<M: Mode> Path<M> {
         if !self.sharp || !(is_clear || self.bounce == 0) || tactics.limits.strategy != Strategy::Shared {
             return None;
         }
-        let least = WORTH_TWO / (self.throughput.max() * self.importance);
+        let least = WORTH_TWO / self.worth();
         let sample = vertex.bsdf.split_mirror(vertex.wo, least, &self.waves)?;
         let mut mirrored = self.clone();
         mirrored.radiance = M::Light::ZERO;
