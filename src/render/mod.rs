@@ -160,6 +160,8 @@ pub fn accumulate<M: Mode>(
         sums.tally += pool.install(|| {
             sums.tiles
                 .par_iter_mut()
+                // Tile by tile: of longer runs one is left over when the other threads have no more to do.
+                .with_max_len(1)
                 .map(|tile| {
                     let end = tile.goal - behind.min(tile.goal - first);
                     if tile.next >= end || watch.stop() || bug.is_met() {

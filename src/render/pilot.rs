@@ -53,7 +53,7 @@ pub fn tactics<M: Mode>(scene: &Scene<M>, camera: &Camera, plan: &Plan) -> Tacti
     }
 
     let run = |tactics: &Tactics| -> Vec<Trial> {
-        groups.par_iter().map(|group| trial(scene, camera, plan, tactics, group)).collect()
+        groups.par_iter().with_max_len(1).map(|group| trial(scene, camera, plan, tactics, group)).collect()
     };
     let base = run(&tactics);
     let weights = weights(&base);

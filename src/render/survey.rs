@@ -101,7 +101,7 @@ impl Survey {
         let Window { x: x0, y: y0, .. } = self.window;
         let looker = Looker::new(scene, self.wanted);
         pool.install(|| {
-            self.rows.par_iter_mut().enumerate().for_each(|(y, row)| {
+            self.rows.par_iter_mut().with_max_len(1).enumerate().for_each(|(y, row)| {
                 for x in 0..row.pixels.len() as u32 {
                     row.add(&looker, camera, plan, (x, [x0 + x, y0 + y as u32]), samples.clone());
                 }
