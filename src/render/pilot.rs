@@ -163,4 +163,17 @@ mod tests {
             assert_eq!(seen, [[true; 4]; 4], "{width}x{height}");
         }
     }
+    #[test]
+    fn one_wild_pixel_does_not_decide_for_all() {
+        let trials = |noise: f32| -> Vec<Trial> {
+            let pixels = |_| [Vec3::ONE, Vec3::new(1.0 + noise, 1.0, 1.0)];
+            let tally = Tally { rays: 100, ..Tally::default() };
+            (0..MOST_TRIALS).map(|_| Trial { pixels: (0..GROUP).map(pixels).collect(), tally }).collect()
+        };
+        let cost = |trials: &[Trial]| cost(trials, &weights(trials));
+        let (mut calm, noisy) = (trials(0.2), trials(0.4));
+        assert!(cost(&noisy) > 3.0 * cost(&calm));
+        calm[7].pixels[3][0] = Vec3::splat(100.0);
+        assert!(cost(&noisy) > 1.5 * cost(&calm));
+    }
 }
