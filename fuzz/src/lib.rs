@@ -164,7 +164,7 @@ pub fn part(bytes: &[u8]) {
         let Ok(merge) = Merge::plan(&[path.to_owned()], true, MOST_BYTES) else { return };
         let restored = Part::open(path).and_then(Part::restore);
         for sums in [merge.run(|_| {}), restored].into_iter().flatten() {
-            sums.into_frame();
+            sums.into_frame(true);
         }
     });
 }

@@ -8,6 +8,7 @@ use std::time::Instant;
 use glam::{Mat3, Vec3};
 
 use super::animate::Animation;
+use super::aov::Aov;
 use super::budget::{Budget, Limited, Schedule};
 use super::frames::Pattern;
 use super::row::Row;
@@ -254,15 +255,17 @@ impl<M: Mode> Sequence<M> {
     ) -> Result<(Frame, Option<Survey>, Posed), Error> {
         let frame = f64::from(frame);
         let mut survey = None;
+        let wants_variance = still.wants(Aov::Variance);
+        let camera = &self.prepared.camera;
+        let mut sums = Accumulation::cropped(camera.size, camera.window(), 0..limited.limit.spp);
         let Some(shutter) = self.plan.shutter else {
             let posed = self.pose(frame)?;
-            let image = self.prepared.render(still, limited)?;
+            self.prepared.accumulate(still, &mut sums, limited)?;
+            let image = sums.into_frame(wants_variance);
             self.prepared.look(still, &mut survey, 0..image.spp)?;
             return Ok((image, survey, posed));
         };
         let mut posed = Posed::default();
-        let camera = &self.prepared.camera;
-        let mut sums = Accumulation::cropped(camera.size, camera.window(), 0..limited.limit.spp);
         for index in 0..limited.limit.spp {
             posed += self.pose(frame + shutter.moment(index))?;
             self.prepared.accumulate(still, &mut sums, &Until { watch: limited, spp: index + 1 })?;
@@ -271,7 +274,7 @@ impl<M: Mode> Sequence<M> {
             }
             self.prepared.look(still, &mut survey, index..index + 1)?;
         }
-        Ok((sums.into_frame(), survey, posed))
+        Ok((sums.into_frame(wants_variance), survey, posed))
     }
 
     /// Brings the scene to a frame, or between two; builds no more anew than has changed.

@@ -36,9 +36,14 @@ pub struct StillPlan {
 }
 
 impl StillPlan {
+    /// True where this layer is to be made.
+    pub fn wants(&self, aov: Aov) -> bool {
+        self.aovs.contains(&aov)
+    }
+
     /// True where each light has a layer of its own: the colour mode must be a [`Grouped`](crate::mode::Grouped) one then.
     pub fn tells_lights_apart(&self) -> bool {
-        self.aovs.contains(&Aov::Lights)
+        self.wants(Aov::Lights)
     }
 
     /// True where the scene has to be looked at besides rendering it.
@@ -77,7 +82,7 @@ pub fn movable_stage(
     let (camera, placed) =
         Camera::new(document, plan.camera.as_deref(), plan.raster, plan.framing, stage.bounds).map_err(Error::Usage)?;
     let Window { width, height, .. } = camera.window();
-    render::check_memory([width, height], plan.needs_survey() || plan.tells_lights_apart(), plan.max_memory)?;
+    render::check_memory([width, height], plan.denoise || !plan.aovs.is_empty(), plan.max_memory)?;
     let mut notes = Vec::new();
     match placed {
         Placed::AsWritten => {}
@@ -131,6 +136,8 @@ impl<M: Mode> Prepared<M> {
         )
     }
 
+    /// A picture with the variance of every pixel, for those who measure it.
+    ///
     /// # Errors
     /// Threads that the machine cannot give.
     pub fn render(&self, plan: &StillPlan, watch: &dyn Watch) -> Result<Frame, Error> {
@@ -150,8 +157,7 @@ impl<M: Mode> Prepared<M> {
         if !plan.needs_survey() {
             return Ok(());
         }
-        let wants = |aov: Aov| plan.aovs.contains(&aov);
-        let wanted = Wanted { albedo: wants(Aov::Albedo), film: wants(Aov::Film), clues: plan.denoise };
+        let wanted = Wanted { albedo: plan.wants(Aov::Albedo), film: plan.wants(Aov::Film), clues: plan.denoise };
         let survey = survey.get_or_insert_with(|| Survey::new(self.camera.window(), wanted));
         Ok(survey.add(&self.scene, &self.camera, &plan.render, samples)?)
     }

@@ -7,7 +7,7 @@ use clap::Args;
 use super::file_args::FileArgs;
 use super::memory_args::MemoryArgs;
 use super::{print, say};
-use crate::batch::aov::Layers;
+use crate::batch::aov::{Aov, Layers};
 use crate::batch::merge::Merge;
 use crate::batch::still;
 use crate::error::Error;
@@ -57,10 +57,11 @@ pub fn run(args: &MergeArgs) -> Result<(), Error> {
     let merge = Merge::plan(&args.parts, args.partial, args.memory.most())?;
     let sums = merge.run(|part| inform(&format!("adding {}", part.display())))?;
 
-    let frame = sums.into_frame();
+    let aovs = args.file.aovs();
+    let frame = sums.into_frame(aovs.contains(&Aov::Variance));
     let shown = merge.header.display;
     let look = args.file.look(Display { exposure_ev: args.exposure.unwrap_or(shown.exposure_ev), ..shown });
-    let layers = Layers::of_frame(&args.file.aovs(), &frame);
+    let layers = Layers::of_frame(&aovs, &frame);
     let picture = still::picture(&frame, layers, merge.header.picture.clone());
     still::write(&args.output, format, &picture, look)?;
     inform(&format!(

@@ -16,6 +16,7 @@ use super::sampling::{SamplingArgs, Target};
 use super::scene_args::{FramingArg, SceneArgs};
 use super::stops::{DisplayArgs, PreviewArgs, StopArgs, signals};
 use super::{print, say};
+use crate::batch::aov::Aov;
 use crate::batch::budget::Limited;
 use crate::batch::checkpoint::Saver;
 use crate::batch::live::{Live, Shows};
@@ -298,7 +299,7 @@ impl Job<'_> {
         if let (Some(saver), Target::Part) = (&saver, self.target) {
             saver.save(&args.output, &sums)?;
         }
-        let frame = sums.into_frame();
+        let frame = sums.into_frame(plan.wants(Aov::Variance));
         let mut stats = prepared.stats(document, plan, &frame, self.parse_s);
         if let Target::Picture(format) = self.target {
             let mut survey = None;

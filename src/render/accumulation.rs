@@ -177,12 +177,12 @@ impl Accumulation {
         rgb
     }
 
-    /// The picture.
-    pub fn into_frame(self) -> Frame {
+    /// The picture; with [`Frame::variance`] where that is wanted.
+    pub fn into_frame(self, wants_variance: bool) -> Frame {
         let (rgb, spp, total) = (self.rgb(), self.spp(), self.total());
         let noise = Noise::of(&self.tiles, self.samples.start);
         let (noise, noise_p95) = (noise.of_picture(&self.tiles), noise.p95(&self.tiles, self.samples.start));
-        let mut variance = vec![[0.0; 3]; rgb.len()];
+        let mut variance = vec![[0.0; 3]; if wants_variance { rgb.len() } else { 0 }];
         let mut samples = vec![0; rgb.len()];
         let parts = self.tiles.first().map_or(0, |tile| tile.lights.len() / tile.sums.len());
         let mut groups = vec![vec![[0.0; 3]; rgb.len()]; parts];
@@ -194,8 +194,9 @@ impl Accumulation {
                 for (group, mean) in groups.iter_mut().zip(tile.light_means(pixel, own)) {
                     group[index] = mean;
                 }
-                let channels = tile.sums.estimate(pixel, own);
-                variance[index] = channels.map(|(_, variance)| variance as f32);
+                if wants_variance {
+                    variance[index] = tile.sums.estimate(pixel, own).map(|(_, variance)| variance as f32);
+                }
             }
         }
         let Self { size, window, tally, threads, render_s, render_cpu_s, .. } = self;

@@ -20,7 +20,8 @@ pub struct Frame {
     /// Samples that each pixel has.
     pub samples: Vec<u32>,
     pub rgb: Vec<[f32; 3]>,
-    /// Variance of each pixel's mean, per channel, as if its samples were independent; infinite below two samples.
+    /// Variance of each pixel's mean, per channel, as if its samples were independent; infinite below two samples. Empty
+    /// where it was not asked for.
     pub variance: Vec<[f32; 3]>,
     /// Estimated error of the picture: root mean square of the standard errors of its pixels' luminances, over their mean
     /// (`doublings.rs`). Infinite below two samples.

@@ -45,7 +45,7 @@ fn hash<M: Mode>(file: &Path, threads: usize, cuts: &[u32]) -> String {
         let mut blocks: Vec<_> = part.blocks().collect();
         whole.add(&(*start..*end), &mut blocks.drain(..)).unwrap();
     }
-    whole.into_frame().sha256()
+    whole.into_frame(false).sha256()
 }
 
 /// Scenes with films, caustics and textures, in both colour modes.
