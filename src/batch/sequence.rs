@@ -21,7 +21,7 @@ use crate::document::Document;
 use crate::error::Error;
 use crate::mode::Mode;
 use crate::output::{self, Format, HeaderValue};
-use crate::render::{Accumulation, Frame, Plan, Survey, Watch};
+use crate::render::{Frame, Plan, Survey, Watch};
 use crate::scene::{Camera, Framing, Placed, Pose, Stage};
 
 /// What changes from frame to frame.
@@ -256,16 +256,16 @@ impl<M: Mode> Sequence<M> {
         let frame = f64::from(frame);
         let mut survey = None;
         let wants_variance = still.wants(Aov::Variance);
-        let camera = &self.prepared.camera;
-        let mut sums = Accumulation::cropped(camera.size, camera.window(), 0..limited.limit.spp);
         let Some(shutter) = self.plan.shutter else {
             let posed = self.pose(frame)?;
+            let mut sums = self.prepared.sums(0..limited.limit.spp);
             self.prepared.accumulate(still, &mut sums, limited)?;
             let image = sums.into_frame(wants_variance);
             self.prepared.look(still, &mut survey, 0..image.spp)?;
             return Ok((image, survey, posed));
         };
         let mut posed = Posed::default();
+        let mut sums = self.prepared.sums(0..limited.limit.spp);
         for index in 0..limited.limit.spp {
             posed += self.pose(frame + shutter.moment(index))?;
             self.prepared.accumulate(still, &mut sums, &Until { watch: limited, spp: index + 1 })?;

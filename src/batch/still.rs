@@ -82,7 +82,7 @@ pub fn movable_stage(
     let (camera, placed) =
         Camera::new(document, plan.camera.as_deref(), plan.raster, plan.framing, stage.bounds).map_err(Error::Usage)?;
     let Window { width, height, .. } = camera.window();
-    render::check_memory([width, height], plan.denoise || !plan.aovs.is_empty(), plan.max_memory)?;
+    render::check_memory([width, height], plan.needs_survey() || plan.tells_lights_apart(), plan.max_memory)?;
     let mut notes = Vec::new();
     match placed {
         Placed::AsWritten => {}
@@ -142,6 +142,11 @@ impl<M: Mode> Prepared<M> {
     /// Threads that the machine cannot give.
     pub fn render(&self, plan: &StillPlan, watch: &dyn Watch) -> Result<Frame, Error> {
         Ok(render::render(&self.scene, &self.camera, &plan.render, watch)?)
+    }
+
+    /// Sums of these samples of a picture, for [`accumulate`](Self::accumulate).
+    pub fn sums(&self, samples: Range<u32>) -> Accumulation {
+        Accumulation::cropped(self.camera.size, self.camera.window(), samples)
     }
 
     /// Adds what `sums` lacks; false where the watch stopped it in the middle. As [`render`](Self::render).

@@ -274,8 +274,7 @@ impl Job<'_> {
             (Some(saver), true) => self.earlier(saver, &samples)?,
             _ => None,
         };
-        let camera = &prepared.camera;
-        let mut sums = earlier.unwrap_or_else(|| Accumulation::cropped(camera.size, camera.window(), samples));
+        let mut sums = earlier.unwrap_or_else(|| prepared.sums(samples));
         let (limit, start) = args.stops.limit(&sums);
         let progress = Progress::new(args.talk.style(), &sums, (limit.time_s, plan.render.noise), signal.clone());
         let live = Live::new(&progress, shows, |line| args.talk.inform(line));

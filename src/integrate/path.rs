@@ -259,9 +259,10 @@ impl<M: Mode> Path<M> {
         self.bounce += 1;
 
         // Play Russian roulette with what is left.
-        if self.bounce > SURE_BOUNCES && !(self.sharp && self.worth() >= SURE_SHARP) {
+        let worth = self.worth();
+        if self.bounce > SURE_BOUNCES && !(self.sharp && worth >= SURE_SHARP) {
             // The square root: noise grows by more than the time that killing the faint ones as they deserve would save.
-            let survival = self.worth().sqrt().min(0.95);
+            let survival = worth.sqrt().min(0.95);
             if self.u_light[3] >= survival {
                 return false;
             }

@@ -163,6 +163,7 @@ mod tests {
             assert_eq!(seen, [[true; 4]; 4], "{width}x{height}");
         }
     }
+
     #[test]
     fn one_wild_pixel_does_not_decide_for_all() {
         let trials = |noise: f32| -> Vec<Trial> {

@@ -7,7 +7,7 @@ use crate::cli::{fail, succeed};
 #[test]
 fn every_command_that_makes_pictures_knows_its_limit() {
     let folder = Folder::new("limits");
-    let bytes = |stderr: String| assert!(stderr.contains("4000x3000 picture needs 864000000 bytes"), "{stderr}");
+    let bytes = |stderr: String| assert!(stderr.contains("4000x3000 picture needs 960000000 bytes"), "{stderr}");
     let large = ["--size", "4000x3000", "--max-memory", "500M", "--quiet"];
     let frames = folder.file("f.####.png");
     bytes(fail(1, &[&["render", "room.dae", "-o", &folder.file("a.part"), "--samples", "0:1"], &large[..]].concat()));
@@ -16,7 +16,7 @@ fn every_command_that_makes_pictures_knows_its_limit() {
     let part = folder.file("a.part");
     succeed(&["render", "room.dae", "-o", &part, "--samples", "0:4", "--quiet"]);
     let stderr = fail(1, &["merge", &part, "-o", &folder.file("m.exr"), "--max-memory", "50k"]);
-    assert!(stderr.contains("32x24 picture needs 55296 bytes"), "{stderr}");
+    assert!(stderr.contains("32x24 picture needs 61440 bytes"), "{stderr}");
     succeed(&["merge", &part, "-o", &folder.file("m.exr"), "--max-memory", "100k"]);
 }
 
