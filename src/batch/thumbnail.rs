@@ -7,6 +7,8 @@ use crate::output::{self, Display, Format};
 
 /// Of the longer side, pixels.
 const SIDE: u32 = 112;
+/// Rows and columns of a block of pixels that are looked at, at most: enough for a mean.
+const LINES: u32 = 6;
 
 /// sRGB, 8 bits per channel, rows from the top.
 pub struct Thumbnail {
@@ -24,10 +26,9 @@ impl Thumbnail {
         let (small_width, small_height) = (side(width), side(height));
         let mut rgb = Vec::with_capacity(3 * (small_width * small_height) as usize);
         for y in 0..small_height {
-            let rows = y * height / small_height..((y + 1) * height / small_height).max(y * height / small_height + 1);
+            let rows = lines(y, height, small_height);
             for x in 0..small_width {
-                let first = x * width / small_width;
-                let columns = first..((x + 1) * width / small_width).max(first + 1);
+                let columns = lines(x, width, small_width);
                 let block =
                     rows.clone().flat_map(|row| columns.clone().map(move |column| (row * width + column) as usize));
                 let (mut sum, mut count) = ([0.0f32; 3], 0.0f32);
@@ -59,4 +60,11 @@ impl Thumbnail {
             }
         }
     }
+}
+
+/// The rows or columns of a picture, `length` of them, that are looked at for number `at` of the `small` ones here.
+fn lines(at: u32, length: u32, small: u32) -> impl Iterator<Item = u32> + Clone {
+    let start = at * length / small;
+    let end = ((at + 1) * length / small).max(start + 1);
+    (start..end).step_by((end - start).div_ceil(LINES) as usize)
 }

@@ -74,7 +74,7 @@ impl Accumulation {
 
     /// Samples of all pixels together.
     pub fn total(&self) -> u64 {
-        self.tiles.iter().map(|tile| u64::from(tile.next - self.samples.start) * tile.sums.len() as u64).sum()
+        self.tiles.iter().map(|tile| u64::from(self.spp_of(tile)) * tile.sums.len() as u64).sum()
     }
 
     /// Whether there is something to render, after deciding how far tiles go where it is to stop at a `noise`.
@@ -166,15 +166,7 @@ impl Accumulation {
 
     /// Mean radiance per pixel as it is now, row by row from the upper left, linear sRGB.
     pub fn rgb(&self) -> Vec<[f32; 3]> {
-        let mut rgb = vec![[0.0; 3]; self.window.width as usize * self.window.height as usize];
-        for tile in &self.tiles {
-            for pixel in 0..tile.sums.len() {
-                let Some(index) = self.window.index_of(tile.place(pixel as u32)) else { continue };
-                let channels = tile.sums.estimate(pixel, tile.next - self.samples.start);
-                rgb[index] = channels.map(|(mean, _)| mean as f32);
-            }
-        }
-        rgb
+        self.pixels_of_window(|tile, pixel| tile.sums.means(pixel, self.spp_of(tile)).map(|mean| mean as f32))
     }
 
     /// The picture; with [`Frame::variance`] where that is wanted.
@@ -182,23 +174,13 @@ impl Accumulation {
         let (rgb, spp, total) = (self.rgb(), self.spp(), self.total());
         let noise = Noise::of(&self.tiles, self.samples.start);
         let (noise, noise_p95) = (noise.of_picture(&self.tiles), noise.p95(&self.tiles, self.samples.start));
-        let mut variance = vec![[0.0; 3]; if wants_variance { rgb.len() } else { 0 }];
-        let mut samples = vec![0; rgb.len()];
-        let parts = self.tiles.first().map_or(0, |tile| tile.lights.len() / tile.sums.len());
-        let mut groups = vec![vec![[0.0; 3]; rgb.len()]; parts];
-        for tile in &self.tiles {
-            let own = tile.next - self.samples.start;
-            for pixel in 0..tile.sums.len() {
-                let Some(index) = self.window.index_of(tile.place(pixel as u32)) else { continue };
-                samples[index] = own;
-                for (group, mean) in groups.iter_mut().zip(tile.light_means(pixel, own)) {
-                    group[index] = mean;
-                }
-                if wants_variance {
-                    variance[index] = tile.sums.estimate(pixel, own).map(|(_, variance)| variance as f32);
-                }
-            }
-        }
+        let samples = self.pixels_of_window(|tile, _| self.spp_of(tile));
+        let variance_of =
+            |tile: &Tile, pixel| tile.sums.variances(pixel, self.spp_of(tile)).map(|variance| variance as f32);
+        let variance = if wants_variance { self.pixels_of_window(variance_of) } else { Vec::new() };
+        let groups = (0..self.tiles.first().map_or(0, Tile::groups_of_lights))
+            .map(|group| self.pixels_of_window(|tile, pixel| tile.light_mean(pixel, group, self.spp_of(tile))))
+            .collect();
         let Self { size, window, tally, threads, render_s, render_cpu_s, .. } = self;
         let Window { width, height, .. } = window;
         Frame {
@@ -219,5 +201,23 @@ impl Accumulation {
             render_s,
             render_cpu_s,
         }
+    }
+
+    /// Samples that the pixels of a tile have.
+    fn spp_of(&self, tile: &Tile) -> u32 {
+        tile.next - self.samples.start
+    }
+
+    /// A value for every pixel that is wanted, of its tile and its number there; row by row from the upper left.
+    fn pixels_of_window<T: Clone + Default>(&self, value_of: impl Fn(&Tile, usize) -> T) -> Vec<T> {
+        let mut values = vec![T::default(); self.window.width as usize * self.window.height as usize];
+        for tile in &self.tiles {
+            for pixel in 0..tile.sums.len() {
+                if let Some(index) = self.window.index_of(tile.place(pixel as u32)) {
+                    values[index] = value_of(tile, pixel);
+                }
+            }
+        }
+        values
     }
 }

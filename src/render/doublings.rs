@@ -34,8 +34,7 @@ impl Doublings {
         if !spp.is_power_of_two() || spp == self.spp {
             return;
         }
-        let luminance: Vec<f32> =
-            (0..sums.len()).map(|pixel| luminance(sums.estimate(pixel, spp).map(|(mean, _)| mean)) as f32).collect();
+        let luminance: Vec<f32> = (0..sums.len()).map(|pixel| luminance(sums.means(pixel, spp)) as f32).collect();
         if self.spp * 2 == spp {
             let squares = luminance.iter().zip(&self.luminance).map(|(now, before)| f64::from(now - before).powi(2));
             self.changes = [squares.sum::<f64>() / luminance.len() as f64, self.changes[0]];

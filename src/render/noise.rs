@@ -57,12 +57,12 @@ impl Noise {
 }
 
 fn luminances(tile: &Tile, spp: u32) -> impl Iterator<Item = f64> + '_ {
-    (0..tile.sums.len()).map(move |pixel| luminance(tile.sums.estimate(pixel, spp).map(|(mean, _)| mean)))
+    (0..tile.sums.len()).map(move |pixel| luminance(tile.sums.means(pixel, spp)))
 }
 
 /// Mean variance of a tile whose doublings are not known, as if its samples were independent and its channels rose and fell
 /// together: too much, never too little.
 fn independent(tile: &Tile, spp: u32) -> f64 {
-    let of_pixel = |pixel| luminance(tile.sums.estimate(pixel, spp).map(|(_, variance)| variance.sqrt())).powi(2);
+    let of_pixel = |pixel| luminance(tile.sums.variances(pixel, spp).map(f64::sqrt)).powi(2);
     (0..tile.sums.len()).map(of_pixel).sum::<f64>() / tile.sums.len() as f64
 }

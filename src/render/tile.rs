@@ -48,11 +48,15 @@ impl Tile {
         groups
     }
 
-    /// What each light group has in a pixel: the mean of `spp` samples.
-    pub fn light_means(&self, pixel: usize, spp: u32) -> impl Iterator<Item = [f32; 3]> + '_ {
-        let count = self.lights.len() / self.sums.len();
-        let share = 1.0 / f64::from(spp.max(1));
-        self.lights[pixel * count..][..count].iter().map(move |sum| (*sum * share).as_vec3().to_array())
+    /// Light groups that are told apart.
+    pub fn groups_of_lights(&self) -> usize {
+        self.lights.len() / self.sums.len()
+    }
+
+    /// What a light group has in a pixel: the mean of `spp` samples.
+    pub fn light_mean(&self, pixel: usize, group: usize, spp: u32) -> [f32; 3] {
+        let sum = self.lights[pixel * self.groups_of_lights() + group];
+        (sum / f64::from(spp.max(1))).as_vec3().to_array()
     }
 
     pub fn height(&self) -> u32 {
