@@ -7,6 +7,7 @@ use arrayvec::ArrayVec;
 use glam::Vec3;
 use rayon::prelude::*;
 
+use super::tile::{self, BLOCK};
 use super::{Plan, camera_sample, number};
 use crate::integrate::{GROUP, Guide, MOST_DRAWS_LOG2, Path, Strategy, Tactics, Tally, radiances};
 use crate::math::{GOLDEN, Sampler};
@@ -72,17 +73,15 @@ pub fn tactics<M: Mode>(scene: &Scene<M>, camera: &Camera, plan: &Plan) -> Tacti
     tactics
 }
 
-/// Groups all over the picture, shaped like those of tiles.
+/// Groups of tiles from all over the picture.
 fn groups([width, height]: [u32; 2]) -> Vec<ArrayVec<[u32; 2], GROUP>> {
-    let side = GROUP as u32;
-    let (columns, rows) = (width / side, height / side);
-    let count = (columns * rows * side / GROUPS_PER_TRIAL).min(MOST_TRIALS);
+    let (columns, rows) = (width / BLOCK, height / BLOCK);
+    let count = (columns * rows * BLOCK / GROUPS_PER_TRIAL).min(MOST_TRIALS);
     let group = |i: u32| {
         // Evenly over the picture's rows and columns of blocks (a lattice of the golden ratio), and over the groups of a block.
         let row = u64::from(2 * i + 1) * u64::from(rows) / u64::from(2 * count);
         let column = ((f64::from(i) + 0.5) * GOLDEN).fract() * f64::from(columns);
-        let (x0, y0) = (column as u32 * side, row as u32 * side);
-        (0..side).map(|y| [x0 + (i + side * 3 - 3 * y) % side, y0 + y]).collect()
+        tile::group([column as u32, row as u32], i % BLOCK).collect()
     };
     (0..count).map(group).collect()
 }
@@ -138,14 +137,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn trials_lie_in_the_picture_and_are_shaped_like_the_groups_of_tiles() {
+    fn trials_lie_in_the_picture() {
         for size in [[16, 16], [64, 48], [1000, 301], [7680, 4320]] {
             let groups = groups(size);
             assert!(groups.len() <= MOST_TRIALS as usize);
             for group in &groups {
-                let place = |[x, y]: [u32; 2]| (x % 8 + 3 * (y % 8)) % 8;
                 assert!(group.iter().all(|&[x, y]| x < size[0] && y < size[1]));
-                assert!(group.iter().all(|&pixel| place(pixel) == place(group[0])));
             }
         }
         assert_eq!(groups([7, 500]).len(), 0);

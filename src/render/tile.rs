@@ -32,20 +32,27 @@ pub struct Tile {
 }
 
 /// Side of the blocks that are cut into groups; each row and column of a block has one pixel of each group.
-const BLOCK: u32 = GROUP as u32;
+pub const BLOCK: u32 = GROUP as u32;
+/// Ways to cut a block: the column in which each row has the first group; the others follow, around the block. No pixel has
+/// neighbours in its group, and hardly two pairs lie alike: what is bright and shared would be seen as a lattice.
+const COLUMNS: [[u32; GROUP]; 4] =
+    [[0, 3, 6, 4, 2, 7, 1, 5], [0, 4, 2, 5, 7, 1, 6, 3], [0, 4, 6, 3, 1, 7, 2, 5], [0, 5, 2, 4, 6, 1, 7, 3]];
+
+/// The pixels of a group of a block, both by their numbers; a group has one in each row.
+pub fn group([column, row]: [u32; 2], number: u32) -> impl Iterator<Item = [u32; 2]> {
+    let first = COLUMNS[(column + 2 * row) as usize % COLUMNS.len()];
+    first.into_iter().zip(0..).map(move |(x, y)| [BLOCK * column + (x + number) % BLOCK, BLOCK * row + y])
+}
 
 impl Tile {
     /// Pixel numbers of the groups that share paths: close together, but never neighbours, so that what they share is not
     /// seen as blotches.
     pub fn groups(&self) -> Vec<ArrayVec<u32, GROUP>> {
-        let (columns, height) = (self.width.div_ceil(BLOCK), self.height());
-        let mut groups = vec![ArrayVec::new(); (columns * height.div_ceil(BLOCK) * BLOCK) as usize];
-        for pixel in 0..self.sums.len() as u32 {
-            let (x, y) = (pixel % self.width, pixel / self.width);
-            let block = y / BLOCK * columns + x / BLOCK;
-            groups[(block * BLOCK + (x + 3 * y) % BLOCK) as usize].push(pixel);
-        }
-        groups
+        let blocks = |start: u32, length: u32| start / BLOCK..(start + length).div_ceil(BLOCK);
+        let (columns, rows) = (blocks(self.x0, self.width), blocks(self.y0, self.height()));
+        let blocks = rows.flat_map(|row| columns.clone().map(move |column| [column, row]));
+        let pixels = |block, number| group(block, number).filter_map(|place| self.pixel_at(place)).collect();
+        blocks.flat_map(|block| (0..BLOCK).map(move |number| pixels(block, number))).collect()
     }
 
     /// Light groups that are told apart.
@@ -61,6 +68,12 @@ impl Tile {
 
     pub fn height(&self) -> u32 {
         self.sums.len() as u32 / self.width
+    }
+
+    /// The number of the pixel that lies at a place not above or left of the tile, if it is one of its.
+    fn pixel_at(&self, [x, y]: [u32; 2]) -> Option<u32> {
+        let (column, row) = (x - self.x0, y - self.y0);
+        (column < self.width && row < self.height()).then(|| row * self.width + column)
     }
 
     /// Where a pixel lies in the picture.
@@ -93,6 +106,26 @@ impl Tile {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn groups_have_every_pixel_of_a_tile_once_and_no_neighbours() {
+        for size in [[16, 16], [64, 32], [21, 13], [3, 2]] {
+            for tile in Tile::grid(size, &Window::whole(size), 0..1) {
+                let groups = tile.groups();
+                let mut pixels: Vec<u32> = groups.iter().flatten().copied().collect();
+                pixels.sort_unstable();
+                assert!(pixels.into_iter().eq(0..tile.sums.len() as u32));
+                for group in groups {
+                    let apart = |a, b| {
+                        let ([ax, ay], [bx, by]) = (tile.place(a), tile.place(b));
+                        ax.abs_diff(bx).max(ay.abs_diff(by)) > 1
+                    };
+                    let mut pairs = group.iter().flat_map(|&a| group.iter().map(move |&b| (a, b)));
+                    assert!(pairs.all(|(a, b)| a == b || apart(a, b)));
+                }
+            }
+        }
+    }
 
     #[test]
     fn tiles_cover_every_pixel_once() {
