@@ -4,7 +4,7 @@ import math
 import random
 
 from .collada import FOLDER, Scene, diffuse, film, png
-from .meshes import backdrop, joined, lathe, pebble, pillow, rectangle, sheet, smooth
+from .meshes import backdrop, joined, lathe, part_of, pebble, pillow, rectangle, sheet, smooth
 from .vectors import add, cross, fractal, mix, noise, scaled, smoothstep, sub, unit
 
 PLACE = FOLDER / "gallery"
@@ -92,7 +92,7 @@ def oil_on_asphalt():
     picture("overcast.png", 128, 64, overcast, channels=3)
     scene.environment((1, 1, 1), image="overcast.png", strength=1.6)
     scene.camera((0, 30, 42), (0, 0, -7), 40, 1.5, lens='<lens aperture_radius_m="0.004" focus_distance_m="0.56"/>')
-    scene.render(900, 600, spp=128, max_bounces=6, exposure_ev=1.2)
+    scene.render(900, 600, spp=48, max_bounces=6, exposure_ev=1.2)
     save(scene, "oil_on_asphalt")
 
 
@@ -134,7 +134,7 @@ def titanium_ribbon():
     scene.softbox("ceiling", (0, 80, 0), (0, 4, 0), 90, 60, (2, 2, 2))
     scene.environment((0.4, 0.4, 0.41))
     scene.camera((0, 30, 44), (0.5, 5.0, 0), 36, 1.5)
-    scene.render(900, 600, spp=192, max_bounces=10, exposure_ev=-0.15)
+    scene.render(900, 600, spp=96, max_bounces=10, exposure_ev=-0.15)
     save(scene, "titanium_ribbon")
 
 
@@ -170,7 +170,7 @@ def tempered_steel():
     scene.softbox("front", (16, 24, 70), (0, 3, 0), 100, 16, (2.6, 2.6, 2.6))
     scene.environment((0.22, 0.22, 0.23))
     scene.camera((7, 25, 44), (0, 2.4, 0.5), 36, 1.5, lens='<lens aperture_radius_m="0.005" focus_distance_m="0.44"/>')
-    scene.render(900, 600, spp=160, max_bounces=8, exposure_ev=0.5)
+    scene.render(900, 600, spp=64, max_bounces=8, exposure_ev=0.5)
     save(scene, "tempered_steel")
 
 
@@ -224,7 +224,7 @@ def camera_lens():
     scene.softbox("behind", (0, 56, -30), (0, 6, 0), 90, 26, (2.4, 2.4, 2.4))
     scene.environment((0.2, 0.2, 0.21))
     scene.camera((0, 14, 52), (0.3, 7.6, 0), 30, 1.5, lens='<lens aperture_radius_m="0.003" focus_distance_m="0.47"/>')
-    scene.render(900, 600, spp=256, max_bounces=24, exposure_ev=1.1)
+    scene.render(900, 600, spp=96, max_bounces=24, exposure_ev=1.1)
     save(scene, "camera_lens", packed=True)
 
 
@@ -255,42 +255,52 @@ def dichroic():
     scene.softbox("side", (70, 20, 40), (0, 6, 0), 30, 60, (1.6, 1.55, 1.5))
     scene.environment((0.06, 0.06, 0.065))
     scene.camera((0, 15, 62), (1.6, 6.4, 0), 41, 1.5, lens='<lens aperture_radius_m="0.003" focus_distance_m="0.58"/>')
-    scene.render(900, 600, spp=192, max_bounces=24, exposure_ev=0, mode="spectral")
+    scene.render(900, 600, spp=48, max_bounces=24, exposure_ev=0, mode="spectral")
     save(scene, "dichroic")
 
 
 # Shells and wings
 
 def abalone():
-    scene = Scene("The inside of an abalone's shell, and pearls: eight tablets of aragonite with chitin between them, on dark shell")
-    nacre = lambda tablet_nm: (film(tablet_nm, material="aragonite") + film(30, material="chitin")) * 8
+    scene = Scene("The inside of an abalone's shell, and pearls: sixteen tablets of aragonite with chitin between them, on dark shell")
+    nacre = lambda tablet_nm: (film(tablet_nm, material="aragonite") + film(30, material="chitin")) * 16
 
     def shell(u, v):
         a = 2 * math.pi * u
         r = 11 * v ** 0.85 * (1 + 0.10 * math.cos(a - 0.6) + 0.025 * math.cos(3 * a))
         x, z = 1.35 * r * math.cos(a), r * math.sin(a)
-        bumps = 0.45 * fractal((0.26 * x, 0.26 * z, 2.0), 3, 31) + 0.04 * math.sin(44 * a) * v ** 4
-        return x, 0.6 + 2.9 * v ** 2.4 + bumps * (0.5 + 0.5 * v), -z
+        bumps = 0.5 * fractal((0.22 * x, 0.22 * z, 2.0), 3, 31) + 0.03 * math.sin(44 * a) * v ** 4
+        return x, 0.6 + 3.6 * v ** 2.4 + bumps * (0.5 + 0.5 * v), -z
 
-    bands = 26
-    for i in range(bands):
-        grown = i / bands
-        tablet = 345 + 42 * math.sin(17 * grown) + 18 * math.sin(41 * grown + 1)
-        body = diffuse(scene, f"nacre-{i}", (0.10, 0.10, 0.09), nacre(tablet), ior=1.6)
-        part = sheet(lambda u, v: shell(u, mix(max(i, 0.02) / bands, (i + 1) / bands, v)), 200, 5)
-        scene.place(scene.mesh(f"shell-{i}", part), body, ("translate", -1.5, 3.0, 0), ("rotate", 1, 0, 0, 16), ("rotate", 0, 1, 0, 18))
+    def tablet_nm(u, v):
+        """Bands of growth, drawn out of shape as the shell's muscle and its bumps made them."""
+        x, _, z = shell(u, v)
+        swirl = fractal((0.15 * x, 0.15 * z, 7.0), 2, 12)
+        return 300 + 30 * math.sin(9 * v + 3.5 * swirl) + 16 * math.sin(21 * v - 5 * swirl + 1)
+
+    # Every cell of the shell goes to the nearest of so many thicknesses that no step between them is seen.
+    columns, rows, step_nm = 360, 70, 2
+    inside = sheet(lambda u, v: shell(u, mix(0.004, 1, v)), columns, rows)
+    cells = {}
+    for k, triangle in enumerate(inside[3]):
+        u, v = (k // 2 % columns + 0.5) / columns, mix(0.004, 1, (k // 2 // columns + 0.5) / rows)
+        cells.setdefault(step_nm * round(tablet_nm(u, v) / step_nm), []).append(triangle)
+    for nm, triangles in sorted(cells.items()):
+        body = diffuse(scene, f"nacre-{nm}", (0.05, 0.06, 0.06), nacre(nm), ior=1.6)
+        scene.place(scene.mesh(f"shell-{nm}", part_of(inside, triangles)), body, ("translate", -1.5, 3.2, 0), ("rotate", 1, 0, 0, 16),
+                    ("rotate", 0, 1, 0, 18))
     draw = random.Random(3)
     pearls = ((15.2, 9, 1.7, 330), (18.4, 5, 1.2, 300), (12.2, 12.6, 1.3, 365), (18.2, 10.8, 1.0, 350), (-14, 13.6, 1.4, 315))
     for i, (x, z, radius, nm) in enumerate(pearls):
         pearl = diffuse(scene, f"pearl-{i}", (0.55, 0.53, 0.5), nacre(nm), ior=1.6)
         scene.ball(f"pearl-{i}-ball", pearl, radius, x, radius, z + draw.uniform(-0.5, 0.5))
-    cloth = diffuse(scene, "cloth", (0.28, 0.29, 0.33))
-    scene.place(scene.mesh("studio", backdrop(300, 90, 90, 40)), cloth, ("translate", 0, 0, 60))
-    scene.softbox("key", (-30, 74, -20), (0, 3, 0), 90, 70, (2.6, 2.6, 2.6))
-    scene.softbox("side", (64, 40, 20), (0, 3, 0), 50, 50, (2, 2.05, 2.1))
-    scene.environment((0.75, 0.77, 0.8))
-    scene.camera((3, 46, 44), (2.4, 2.2, 1.5), 34, 1.5)
-    scene.render(900, 600, spp=192, max_bounces=8, exposure_ev=0.3)
+    cloth = diffuse(scene, "cloth", (0.13, 0.14, 0.17))
+    scene.place(scene.mesh("table", rectangle(400, 400)), cloth)
+    # A white tent: what mirrors in all directions is seen best where all directions are bright.
+    scene.softbox("key", (-40, 74, -30), (0, 3, 0), 40, 40, (4.5, 4.5, 4.5))
+    scene.environment((1.15, 1.17, 1.2))
+    scene.camera((3, 48, 46), (1.9, 2.0, 1.2), 37, 1.5)
+    scene.render(900, 600, spp=64, max_bounces=8, exposure_ev=0.5)
     save(scene, "abalone", packed=True)
 
 
@@ -346,7 +356,7 @@ def jewel_beetle():
     scene.softbox("sun", (44, 50, -34), (0, 0, 0), 24, 24, (10, 9.3, 8))
     scene.environment((0.42, 0.46, 0.48))
     scene.camera((-5, 21, 33), (0, 0.6, -0.8), 36, 1.5, lens='<lens aperture_radius_m="0.004" focus_distance_m="0.37"/>')
-    scene.render(900, 600, spp=192, max_bounces=8, exposure_ev=0.7)
+    scene.render(900, 600, spp=64, max_bounces=8, exposure_ev=0.7)
     save(scene, "jewel_beetle", packed=True)
 
 

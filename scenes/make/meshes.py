@@ -127,3 +127,11 @@ def sheet(point, columns, rows, flip=False):
             b, c, d = a + 1, a + columns + 2, a + columns + 1
             triangles += [(a, c, b), (a, d, c)] if flip else [(a, b, c), (a, c, d)]
     return [point(u, v) for u, v in places], [normal(u, v) for u, v in places], places, triangles
+
+
+def part_of(mesh, triangles):
+    """Some triangles of a mesh with the points that they need."""
+    used = sorted({corner for triangle in triangles for corner in triangle})
+    new = {old: i for i, old in enumerate(used)}
+    *points, _ = mesh
+    return (*([values[old] for old in used] for values in points), [tuple(new[corner] for corner in triangle) for triangle in triangles])
