@@ -3,7 +3,7 @@
 #
 #     docs/make_report.sh [PELLICLE]     default: target/release/pellicle
 #
-# SIZE (280 pixels), SPP (48) and FRAMES (24) may be set. Takes some ten minutes on two cores; wants ffmpeg for the video and JPEGs.
+# SIZE (360 pixels), SPP (96) and FRAMES (24) may be set. Takes some ten minutes on two cores; wants ffmpeg for the video and JPEGs.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 pellicle=$(realpath "${1:-target/release/pellicle}")
@@ -11,7 +11,7 @@ out=docs/report
 mkdir -p "$out"
 cache=$(mktemp -d)
 trap 'rm -rf "$cache"' EXIT
-size=${SIZE:-280} spp=${SPP:-48} frames=${FRAMES:-24}
+size=${SIZE:-360} spp=${SPP:-96} frames=${FRAMES:-24}
 
 # The same samples with each model: the 2020 report's, ours in RGB, and the exact one per wavelength.
 for scene in dragon transparent; do
