@@ -100,8 +100,7 @@ fn bug_place(at: &Option<([u32; 2], u32)>) -> String {
     at.map_or(String::new(), |([x, y], sample)| format!(", met at sample {sample} of pixel {x},{y}"))
 }
 
-/// Bytes per pixel at the peak, where the sums become a [`Frame`]: 76 by their types where variances are
-/// wanted, with room for the rest.
+/// Bytes per pixel at the peak, where the sums become a [`Frame`]: 72 by their types, 80 where variances are wanted.
 /// (Tiles that go on in 128 bits take 48 more; they are those of lamps and fireflies.)
 const BYTES_PER_PIXEL: u64 = 80;
 /// What a [`Survey`], or the sums of light groups, and the layers that are made of them take besides.

@@ -137,12 +137,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn trials_lie_in_the_picture() {
+    fn trials_lie_in_the_picture_and_are_groups_of_tiles() {
         for size in [[16, 16], [64, 48], [1000, 301], [7680, 4320]] {
             let groups = groups(size);
             assert!(groups.len() <= MOST_TRIALS as usize);
             for group in &groups {
                 assert!(group.iter().all(|&[x, y]| x < size[0] && y < size[1]));
+                let block = group[0].map(|at| at / BLOCK);
+                let is_of_tiles = |number| tile::group(block, number).eq(group.iter().copied());
+                assert_eq!((0..BLOCK).filter(|&number| is_of_tiles(number)).count(), 1);
             }
         }
         assert_eq!(groups([7, 500]).len(), 0);
