@@ -27,5 +27,6 @@ mod presets; // named surfaces and the colours that their sources tell of
 mod stability; // where methods fail: finite, bounded, continuous at every extreme
 mod statistics; // the tests' own tools
 mod textures; // images as they reach the picture
+mod thrown; // caustics by light paths and without them
 mod transport; // closed forms, strategies agree, threads do not matter
 mod view; // what a display is sent for colours inside and outside of its reach

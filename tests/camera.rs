@@ -1,20 +1,21 @@
 //! The camera: parts of pictures, pixels that are not square, apertures.
 
 use glam::{Vec2, Vec3};
-use pellicle::document::Lens;
+use pellicle::document::{Lens, Projection};
 use pellicle::integrate::{PathLimits, Strategy};
 use pellicle::mode::{Mode, Rgb, Spectral};
 use pellicle::render::{Filter, Frame, Plan, Unwatched, render};
 use pellicle::scene::{Camera, FilmOptions, Framing, Raster, Scene, Stage, Window};
 use std::sync::Arc;
 
-use crate::transport::{Builder, coated, diffuse, metal, shining};
+use crate::transport::{Builder, coated, diffuse, glass, metal, shining};
 
-/// Something of everything that pixels share: an edge of a lamp, indirect light, a film.
+/// Something of everything that pixels share: an edge of a lamp, indirect light, a film, light paths.
 fn scene() -> Builder {
     let mut builder = Builder::seen_from(Vec3::new(0.0, 0.5, 4.0), 50.0);
     builder.floor(Vec3::new(0.0, -1.0, 0.0), 3.0, diffuse(0.6));
     builder.sphere(Vec3::new(-0.8, 0.0, 0.0), 0.7, coated(metal(1.0, 3.0, 0.2), 1.5, 350.0));
+    builder.sphere(Vec3::new(0.2, -0.5, 0.8), 0.4, glass(1.5, 0.0));
     builder.sphere(Vec3::new(0.9, 0.6, 0.0), 0.3, shining(diffuse(0.0), 5.0));
     builder
 }
@@ -104,5 +105,38 @@ fn lenses_are_round_or_have_blades() {
         let width = if blades == 0 { 1.0 } else { (turn * (sides / 4.0).round()).sin() };
         assert!((squares - moment).abs() < 2e-3, "{blades} blades: {squares} for {moment}");
         assert!((farthest - Vec2::new(width, 1.0)).abs().max_element() < 0.02, "{blades} blades: {farthest}");
+    }
+}
+
+/// A point is seen where the ray that goes through it starts, from the same side; a pixel covers what its corners enclose.
+#[test]
+fn points_are_seen_where_rays_come_from() {
+    let lens = Lens { aperture_radius_m: 0.2, focus_distance_m: 2.5, blades: 5 };
+    let orthographic = Projection::Orthographic { xmag: Some(1.5), ymag: None, aspect: Some(1.4) };
+    for (projection, lens) in [(None, None), (None, Some(lens)), (Some(orthographic), None)] {
+        let mut builder = scene();
+        let source = &mut builder.0.cameras[0];
+        (source.lens, source.shift) = (lens, Vec2::new(0.1, -0.2));
+        source.projection = projection.unwrap_or(source.projection);
+        let bounds = (Vec3::splat(-1.0), Vec3::ONE);
+        let (camera, _) = Camera::new(&builder.0, None, [Some(70), Some(50)], Framing::Scene, bounds).unwrap();
+        for (pixel, u, t) in
+            [([0.5, 0.5], [0.3, 0.9], 0.7), ([69.9, 20.0], [0.8, 0.1], 2.5), ([31.0, 49.0], [0.5; 2], 40.0)]
+        {
+            let pixel = Vec2::from(pixel);
+            let ray = camera.ray(pixel, u);
+            let seen = camera.see(ray.at(t), u).unwrap();
+            assert!(seen.at.distance(pixel) < 1e-3, "{:?} for {pixel}", seen.at);
+            assert!(seen.toward.distance(-ray.dir) < 1e-5 && (seen.distance_m / t - 1.0).abs() < 1e-5);
+            // The square of the pixel around it on the plane through the point that faces the viewer.
+            let on_plane = |x: f32, y: f32| {
+                let corner = camera.ray(pixel + Vec2::new(x, y), u);
+                corner.at((ray.at(t) - corner.origin).dot(ray.dir) / corner.dir.dot(ray.dir))
+            };
+            let (across, down) = (on_plane(0.5, 0.0) - on_plane(-0.5, 0.0), on_plane(0.0, 0.5) - on_plane(0.0, -0.5));
+            let area_m2 = across.cross(down).length();
+            assert!((seen.pixel_m2 / area_m2 - 1.0).abs() < 2e-3, "{} for {area_m2}", seen.pixel_m2);
+            assert!(camera.see(ray.at(-t), u).is_none() || camera.depth_m(ray.at(-t)) > 0.0);
+        }
     }
 }

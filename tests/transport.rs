@@ -309,19 +309,6 @@ fn what_smooth_interfaces_split_adds_up() {
     assert_same_picture(&mis, &shared, "mis and shared");
 }
 
-/// Where a ball gathers light several ways on are tried for one path, also behind a mirror: weighed together they are still
-/// one.
-#[test]
-fn caustics_look_alike_however_they_are_found() {
-    let mut scene = Builder::seen_from(Vec3::new(0.0, 1.0, 4.0), 40.0);
-    scene.floor(Vec3::ZERO, 3.0, diffuse(0.6));
-    scene.sphere(Vec3::new(0.0, 0.6, 0.3), 0.5, glass(1.5, 0.0));
-    scene.sphere(Vec3::new(1.0, 0.5, 0.0), 0.5, metal(0.2, 3.0, 0.0));
-    scene.sphere(Vec3::new(0.5, 3.0, 0.0), 0.4, shining(diffuse(0.0), 20.0));
-    let [mis, shared] = [Strategy::Mis, Strategy::Shared].map(|strategy| scene.render(96, 512, 6, strategy, 0));
-    assert_same_picture(&mis, &shared, "mis and shared");
-}
-
 /// Shadow rays leave a wide floor from a little above it, and aim at the very point that was drawn: one beside it could lie
 /// behind the lamp's own surface.
 #[test]

@@ -1,6 +1,6 @@
-//! Where to look for light that mirrors and lenses throw: a caustic is bright, small, and a scattered ray finds the way to
-//! it by luck alone. What it lights is as hard to find again. So matte surfaces send some of their rays to where photons came
-//! from.
+//! Where to look for light that mirrors and lenses throw onto what is seen in mirrors and through lenses, where light paths
+//! (`throw.rs`) cannot bring it: a scattered ray finds the way to it by luck alone. What it lights is as hard to find again. So
+//! matte surfaces send some of their rays to where photons came from.
 //!
 //! A tree over the places where photons landed; each leaf keeps the points that threw them, with a cone around each. What it
 //! says is only a density to sample with, known exactly for every direction: pictures keep their means, whatever the photons
@@ -15,7 +15,7 @@ use super::photons::{self, Photon};
 use crate::math::warp::{cauchy_pdf, square_to_cauchy};
 use crate::math::{Frame, extent};
 use crate::mode::Mode;
-use crate::scene::Scene;
+use crate::scene::{Aim, Scene};
 
 /// Cones of a leaf.
 const CONES: usize = 64;
@@ -33,12 +33,6 @@ const DIRECT_SHARE: f32 = 0.1;
 const INDIRECT_SHARE: f32 = 0.3;
 /// Below this chance a leaf is not worth asking.
 const WORTHWHILE: f32 = 0.05;
-/// Least chance of a guide for several ways to pay. At 0.4 they cost more than they gain, at 0.7 half the gain is left.
-const FORK_CHANCE: f32 = 0.5;
-/// Ways that are tried besides a path's own where thrown light rules; and in proportion up to 2^this times as many where it is
-/// brighter than what comes straight from lamps and from other surfaces that they light.
-const WAYS: u32 = 4;
-const MORE_WAYS_LOG2: u32 = 2;
 /// The cone of a point reaches to so many neighbours.
 const NEIGHBOUR: usize = 3;
 
@@ -67,8 +61,6 @@ pub(super) struct Leaf {
     high: Vec3,
     /// The chance to sample these instead of the surface.
     pub chance: f32,
-    /// How many ways on are worth trying from here besides a path's own: none, or a power of two.
-    pub ways: u32,
     /// How the points that throw light move with the point that they throw it to.
     drift: Mat3,
     /// Points that threw light, by coordinate, moved to where they would be for the origin; and the squared radius of what
@@ -79,8 +71,8 @@ pub(super) struct Leaf {
 
 impl Guide {
     /// Sends `count` photons into the scene; `None` where mirrors and lenses throw next to no light.
-    pub fn new<M: Mode>(scene: &Scene<M>, count: u32) -> Option<Self> {
-        let photons = photons::trace(scene, count);
+    pub fn new<M: Mode>(scene: &Scene<M>, aim: &Aim, count: u32) -> Option<Self> {
+        let photons = photons::trace(scene, aim, count);
         (photons.len() >= FEW).then(|| Self::of(photons))
     }
 
@@ -161,12 +153,8 @@ impl Leaf {
         let chance = (thrown / (thrown + easy)).min(MOST);
         let margin = 0.25 * size + size.max_element() * 0.05;
         let points = [points.map(|p| p.x), points.map(|p| p.y), points.map(|p| p.z)];
-        let mut leaf = Self { low: low - margin, high: high + margin, chance, ways: 0, drift, points, radius2 };
+        let mut leaf = Self { low: low - margin, high: high + margin, chance, drift, points, radius2 };
         leaf.chance *= leaf.narrowness(photons);
-        if leaf.chance >= FORK_CHANCE {
-            let lit = photons.iter().map(|p| p.direct + p.indirect).sum::<f32>() / count;
-            leaf.ways = WAYS << ((thrown / lit).max(1.0).log2() as u32).min(MORE_WAYS_LOG2);
-        }
         leaf
     }
 

@@ -1,4 +1,4 @@
-//! Light transport: a path tracer with next-event estimation and multiple importance sampling.
+//! Light transport: a path tracer with next-event estimation and multiple importance sampling, and light paths besides.
 
 mod direct;
 mod guide;
@@ -8,6 +8,7 @@ mod post;
 mod seen;
 mod share;
 mod sight;
+mod throw;
 mod vertex;
 
 pub use direct::MOST_DRAWS_LOG2;
@@ -17,6 +18,7 @@ pub use seen::seen_light;
 pub use share::{GROUP, radiances};
 pub use sight::{Clue, Looker, Sight, Wanted};
 use std::ops::AddAssign;
+pub use throw::{Landing, Throw};
 
 /// How light is found. All agree in the mean; the others are kept to check the last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -27,8 +29,8 @@ pub enum Strategy {
     Light,
     /// Both, weighted by the power heuristic.
     Mis,
-    /// Both; and neighbouring pixels look at what each other's paths found, matte surfaces look where photons came from, and
-    /// lights are drawn several times, each where it pays: less noise, the same mean.
+    /// Both; and neighbouring pixels look at what each other's paths found, paths from the lamps bring what mirrors and lenses
+    /// throw, and lights are drawn several times, each where it pays: less noise, the same mean.
     #[default]
     Shared,
 }
@@ -47,7 +49,8 @@ pub struct Tactics {
     pub shares: bool,
     /// The first surface of a path draws 2^this sources of light, the others one.
     pub draws_log2: u32,
-    pub guide: Option<Guide>,
+    /// Light paths that are followed besides, where they help.
+    pub throw: Option<Throw>,
 }
 
 /// What was done on the way; a plain value, summed over tiles.

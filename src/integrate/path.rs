@@ -1,10 +1,12 @@
 //! One path from the camera: it arrives at a surface, is scattered, arrives at the next.
 
+use arrayvec::ArrayVec;
 use glam::Vec3;
 
 use super::direct::{Direct, Draw, direct_light};
-use super::guide::{Guide, Leaf};
+use super::guide::Leaf;
 use super::post::Kept;
+use super::throw::{Throw, Thrown};
 use super::vertex::Vertex;
 use super::{PathLimits, Strategy, Tactics, Tally, mis_weight};
 use crate::bsdf::{Bsdf, BsdfSample, Pdf};
@@ -22,6 +24,8 @@ const WORTH_TWO: f32 = 3e-3;
 /// such paths off to keep their noise out, and it would come back. A tenth as much gains bubbles 1.4 and costs wine 0.8 of
 /// the efficiency.
 const SURE_SHARP: f32 = 0.1;
+/// Lamps along one ray of which light paths find the light, too: those behind the first shine through it.
+const MOST_THROWN: usize = 3;
 /// Bounces before Russian roulette begins.
 pub(super) const SURE_BOUNCES: u32 = 3;
 
@@ -60,6 +64,15 @@ pub struct Path<M: Mode> {
     blind: bool,
     /// True while all that has turned the path is smooth: one sees sharply what it comes to.
     sharp: bool,
+    /// Of the first surface ([`Throw::footprint`]).
+    pub(super) footprint: f32,
+    /// True while light may have come all the way by light paths ([`Throw`]).
+    reversible: bool,
+    /// The place of the smooth mirror or lens that sent the path on, if that was the last to turn it.
+    thrower: Option<u32>,
+    /// Light that light paths find, too: how much of it counts depends on the footprint of the first surface, and others may
+    /// look at what this path finds from theirs.
+    pub(super) thrown: ArrayVec<Thrown<M::Light>, MOST_THROWN>,
 }
 
 /// What a path comes to at the end of its ray.
@@ -93,6 +106,10 @@ impl<M: Mode> Path<M> {
             apart: M::Light::ZERO,
             blind,
             sharp: true,
+            footprint: 0.0,
+            reversible: true,
+            thrower: None,
+            thrown: ArrayVec::new(),
         }
     }
 
@@ -107,8 +124,9 @@ impl<M: Mode> Path<M> {
         &mut self,
         scene: &'s Scene<M>,
         met: Option<Surface<'s>>,
-        limits: &PathLimits,
+        tactics: &Tactics,
     ) -> Arrival<'s, M> {
+        let limits = &tactics.limits;
         let blind = std::mem::take(&mut self.blind);
         let Some(mut surface) = met else {
             if blind {
@@ -119,7 +137,10 @@ impl<M: Mode> Path<M> {
             scene.escape(from, self.ray.dir, &self.waves, |light, light_pdf| {
                 sky += light * hit_weight(scattered.map(|(_, pdf)| (pdf, light_pdf)), limits);
             });
-            self.run_into(sky);
+            let toward = self.ray.dir;
+            let density = |throw: &Throw, place| throw.density_from_afar(scene, place, toward, &self.waves);
+            let density = self.thrown_density(tactics, density);
+            self.run_into(sky, density);
             return Arrival::End;
         };
         if self.interior.absorption_per_m != Vec3::ZERO {
@@ -133,7 +154,10 @@ impl<M: Mode> Path<M> {
             if !light.is_black() {
                 let lights = &scene.stage.lights;
                 let densities = self.scattered.map(|(from, pdf)| (pdf, lights.surface_pdf(from, &surface)));
-                self.run_into(light * hit_weight(densities, limits));
+                let toward = -self.ray.dir;
+                let density =
+                    self.thrown_density(tactics, |throw, place| throw.density(scene, place, &surface, toward));
+                self.run_into(light * hit_weight(densities, limits), density);
             }
         }
         if self.bounce >= limits.max_bounces {
@@ -160,11 +184,31 @@ impl<M: Mode> Path<M> {
         Arrival::Through
     }
 
-    /// Adds light that lies at the end of the ray.
+    /// The density of light paths that bring what lies at the end of the ray, if there are any, by that of those which come to
+    /// the place that threw it.
     #[inline]
-    fn run_into(&mut self, light: M::Light) {
+    fn thrown_density(&self, tactics: &Tactics, density: impl FnOnce(&Throw, u32) -> f32) -> f32 {
+        match (&tactics.throw, self.thrower) {
+            (Some(throw), Some(place)) if self.reversible => density(throw, place),
+            _ => 0.0,
+        }
+    }
+
+    /// Adds light that lies at the end of the ray; `density` is that of light paths that bring it.
+    #[inline]
+    fn run_into(&mut self, light: M::Light, density: f32) {
+        let light = self.throughput * light;
+        if density > 0.0 && !self.thrown.is_full() {
+            self.thrown.push(Thrown { light, density });
+            return;
+        }
         let sum = if self.bounce == self.apart_at { &mut self.apart } else { &mut self.radiance };
-        *sum += self.throughput * light;
+        *sum += light;
+    }
+
+    /// Light that the path has found, seen from its own first surface.
+    pub(super) fn found(&self) -> M::Light {
+        self.thrown.iter().fold(self.radiance, |sum, thrown| sum + thrown.weighed(self.footprint))
     }
 
     /// The surface that the path is at, ready to scatter.
@@ -172,13 +216,20 @@ impl<M: Mode> Path<M> {
     pub(super) fn vertex<'s>(
         &mut self,
         scene: &'s Scene<M>,
-        guide: Option<&'s Guide>,
+        tactics: &'s Tactics,
         (surface, material): (Surface<'s>, &'s Material<M>),
         beyond: Interior,
     ) -> Vertex<'s, M> {
         let interiors = [self.interior, beyond];
         let mut vertex = Vertex::new(scene, (surface, material), -self.ray.dir, interiors, &self.waves);
-        vertex.consult(guide);
+        if let Some(throw) = &tactics.throw {
+            if self.bounce == 0 {
+                self.footprint = throw.footprint(&vertex);
+            }
+            if !self.reversible || self.footprint == 0.0 {
+                vertex.consult(throw.guide());
+            }
+        }
         self.u_light = self.sampler.next_4d();
         vertex
     }
@@ -249,8 +300,15 @@ impl<M: Mode> Path<M> {
                 return true;
             }
             Pdf::Through(_) => return false,
-            Pdf::Delta => self.scattered = None,
+            Pdf::Delta => {
+                self.scattered = None;
+                // Light paths do not see first surfaces that mirror.
+                self.reversible &= self.bounce > 0 && !vertex.bent;
+                self.thrower = vertex.throws(wi).then_some(vertex.surface.place.number);
+            }
             Pdf::SolidAngle(pdf) => {
+                self.reversible &= self.bounce == 0 || vertex.is_reversible() && !vertex.bent;
+                self.thrower = None;
                 let draws = (1 << self.draws_log2(tactics)) as f32;
                 self.scattered = Some((vertex.surface.position, pdf / draws));
                 self.sharp = false;
@@ -294,36 +352,6 @@ impl<M: Mode> Path<M> {
         mirrored.take((vertex, Kept::Nothing), sample, tactics).then_some(mirrored)
     }
 
-    /// Another way on from x, number `way` of the leaf's: towards where photons came from.
-    pub(super) fn way(&self, way: u32, (x, leaf): (&Vertex<M>, &Leaf), tactics: &Tactics) -> Option<Self> {
-        let mut path = self.clone();
-        path.sampler = self.sampler.part(leaf.ways.ilog2(), way);
-        // The first set of the parts is that of drawn lights.
-        path.sampler.next_4d();
-        let [u_x, u_y, u_lobe, _] = path.sampler.next_4d();
-        path.radiance = M::Light::ZERO;
-        let toward = leaf.sample(x.surface.position, [u_lobe, u_x, u_y])?;
-        let wi = x.local(toward)?;
-        let (value, pdf) = x.bsdf.eval(x.wo, wi, &path.waves);
-        let [density, ways] = densities(x, leaf, toward, pdf);
-        path.importance *= density / pdf * leaf.ways as f32;
-        let weight = value * (1.0 / (density + ways));
-        let sample = BsdfSample { wi, weight, pdf: Pdf::SolidAngle(pdf), collapses: false };
-        (pdf > 0.0 && path.take((x, Kept::X), sample, tactics)).then_some(path)
-    }
-
-    /// Weighs the way that the path has just taken on from x with those that are tried besides ([`Path::way`]).
-    pub(super) fn thin(&mut self, (x, leaf): (&Vertex<M>, &Leaf)) {
-        let toward = self.ray.dir;
-        // A mirror's direction is none of the others'.
-        let (true, Some(wi)) = (self.was_spread(), x.local(toward)) else { return };
-        let (_, pdf) = x.bsdf.eval(x.wo, wi, &self.waves);
-        let [density, ways] = densities(x, leaf, toward, pdf);
-        let share = density / (density + ways);
-        self.throughput = self.throughput * share;
-        self.importance *= 1.0 / share;
-    }
-
     /// Draws a direction from the surface, or from what its guide knows.
     #[inline]
     fn draw(&mut self, vertex: &Vertex<M>) -> Option<BsdfSample<M>> {
@@ -359,12 +387,6 @@ impl<M: Mode> Path<M> {
         };
         Some(sample)
     }
-}
-
-/// Density of a path's own direction and the sum of those of the ways besides; `pdf` is that of the surface alone.
-fn densities<M: Mode>(x: &Vertex<M>, leaf: &Leaf, toward: Vec3, pdf: f32) -> [f32; 2] {
-    let guided = leaf.pdf(x.surface.position, toward);
-    [leaf.mixed(pdf, guided), leaf.ways as f32 * guided]
 }
 
 /// Weight of light that a ray ran into. `densities`: of the scattered ray, and of light sampling for the same direction.

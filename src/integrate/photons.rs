@@ -7,10 +7,9 @@ use rayon::prelude::*;
 use super::vertex::Vertex;
 use crate::bsdf::{Bsdf, Pdf};
 use crate::embree::Ray;
-use crate::math::warp::square_to_disk;
-use crate::math::{Frame, Sampler};
+use crate::math::Sampler;
 use crate::mode::{Lanes, Mode};
-use crate::scene::{Caster, Interior, Scene};
+use crate::scene::{Aim, Interior, Scene, Shot};
 
 /// Surfaces that a photon may pass or be thrown by.
 const MAX_SURFACES: u32 = 32;
@@ -39,55 +38,19 @@ pub(super) struct Photon {
 /// again where it scatters them to.
 /// They tell where to look for light, not how much there is: how radiance and importance differ at crossed surfaces does
 /// not matter here.
-pub(super) fn trace<M: Mode>(scene: &Scene<M>, count: u32) -> Vec<Photon> {
-    let casters = scene.casters();
-    if casters.is_empty() {
-        return Vec::new();
-    }
-    // Chosen by the area that they show.
-    let mut reach = Vec::with_capacity(casters.len());
-    let mut total_m2 = 0.0;
-    for caster in &casters {
-        total_m2 += caster.radius_m * caster.radius_m;
-        reach.push(total_m2);
-    }
-    let shot = |index: u32| {
+pub(super) fn trace<M: Mode>(scene: &Scene<M>, aim: &Aim, count: u32) -> Vec<Photon> {
+    let photons = |index: u32| {
         let mut sampler = Sampler::new(0, index, SEED);
-        let [u_caster, u_wave, u_x, u_y] = sampler.next_4d();
-        let at = reach.partition_point(|&sum| sum <= u_caster * total_m2);
-        let caster = &casters[at.min(casters.len() - 1)];
+        let [u_wave, ..] = sampler.next_4d();
         let waves = M::waves(u_wave);
-        let area_m2 = std::f32::consts::PI * total_m2;
-        let (ray, power) = emit(scene, caster, [u_x, u_y], &mut sampler, &waves)?;
-        Some(follow(scene, ray, power * (area_m2 / count as f32), sampler, &waves))
+        let u = [sampler.next_4d(), sampler.next_4d()];
+        let Shot { ray, radiance, density, .. } = aim.shoot(scene, u, &waves)?;
+        Some(follow(scene, ray, radiance.mean() / (density * count as f32), sampler, &waves))
     };
     let counts = |photon: &Photon| {
         photon.power > 0.0 && photon.power.is_finite() && (photon.direct + photon.indirect).is_finite()
     };
-    (0..count).into_par_iter().filter_map(shot).flatten_iter().filter(counts).collect()
-}
-
-/// A ray from a lamp through the disc that a caster shows it, and the irradiance there.
-fn emit<M: Mode>(
-    scene: &Scene<M>,
-    caster: &Caster,
-    u: [f32; 2],
-    sampler: &mut Sampler,
-    waves: &M::Waves,
-) -> Option<(Ray, f32)> {
-    let [u_light, u_light_x, u_light_y, _] = sampler.next_4d();
-    let light = scene.stage.lights.sample(caster.center, [u_light, u_light_x, u_light_y])?;
-    let irradiance = scene.arriving(&light.light, waves).mean() / light.pdf;
-    let aim = caster.center + Frame::new(light.wi).to_world(square_to_disk(u).extend(0.0)) * caster.radius_m;
-    if light.distance_m.is_finite() {
-        let lamp = caster.center + light.wi * light.distance_m;
-        let dir = (aim - lamp).try_normalize()?;
-        // A lamp's own surface does not hold its light back.
-        let origin = lamp + dir * (1e-4 * light.distance_m);
-        return Some((Ray::new(origin, dir), irradiance));
-    }
-    let (low, high) = scene.stage.bounds;
-    Some((Ray::new(aim + light.wi * low.distance(high), -light.wi), irradiance))
+    (0..count).into_par_iter().filter_map(photons).flatten_iter().filter(counts).collect()
 }
 
 /// Follows a photon until it is lost or has landed often enough.

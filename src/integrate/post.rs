@@ -41,8 +41,8 @@ pub(super) struct Post<'s, M: Mode> {
     bounce: u32,
     /// Light found up to and including y's emission.
     radiance: M::Light,
-    /// Others find what lies behind y: the path ends there.
-    ends_at_y: bool,
+    /// Of x, where that is the path's first surface; else 0 ([`Throw::footprint`](super::throw::Throw::footprint)).
+    footprint: f32,
 }
 
 /// Light that a glossy surface can scatter to any viewer; directions in its frame.
@@ -85,18 +85,8 @@ impl<'s, M: Mode> Post<'s, M> {
             throughput: M::Light::ONE,
             bounce: 0,
             radiance: M::Light::ZERO,
-            ends_at_y: false,
+            footprint: 0.0,
         }
-    }
-
-    /// Of one more way from x, which is to find what no path shares.
-    pub fn after_x(path: &Path<M>) -> Self {
-        Self { progress: Progress::Left { passed: path.passed }, ends_at_y: true, ..Self::new(true) }
-    }
-
-    /// True where a path has come to what it need not look behind.
-    pub fn has_met(&self, kept: Kept) -> bool {
-        self.ends_at_y && kept != Kept::Nothing
     }
 
     /// Whether a path's next vertex is one to look from or one that was found. From a find on the path's radiance is what y
@@ -108,6 +98,7 @@ impl<'s, M: Mode> Post<'s, M> {
             Progress::Out if looks_around(vertex, path) => {
                 self.progress = Progress::Left { passed: path.passed };
                 (self.throughput, self.bounce) = (path.throughput, path.bounce);
+                self.footprint = if path.bounce == 0 { path.footprint } else { 0.0 };
                 Kept::X
             }
             Progress::Left { passed } => {
@@ -117,9 +108,6 @@ impl<'s, M: Mode> Post<'s, M> {
                 let kept = find(vertex);
                 if kept == Kept::Nothing || !straight || !vertex.looks_the_same(toward_x) {
                     return Kept::Nothing;
-                }
-                if self.ends_at_y {
-                    return kept;
                 }
                 path.importance *= path.throughput.max();
                 path.throughput = M::Light::ONE;
@@ -166,7 +154,7 @@ impl<'s, M: Mode> Post<'s, M> {
 
     /// Light that the path does not share.
     pub fn own(&self, path: &Path<M>) -> M::Light {
-        if self.y.is_some() { self.radiance } else { path.radiance }
+        if self.y.is_some() { self.radiance } else { path.found() }
     }
 }
 
@@ -201,7 +189,7 @@ pub(super) fn hand_out<M: Mode>(
     let Post { y: Some(y), turn, bounce, .. } = &posts[finder] else { return };
     // Where nothing is scattered there is nothing to look at.
     let turned = turn.as_ref().filter(|turn| !(turn.arriving.is_black() && path.apart.is_black()));
-    if turned.is_none() && path.radiance.is_black() {
+    if turned.is_none() && path.radiance.is_black() && path.thrown.is_empty() {
         return;
     }
 
@@ -259,15 +247,14 @@ pub(super) fn hand_out<M: Mode>(
         if density > 0.0 && share.is_finite() { share } else { 0.0 }
     };
     let share = per_density(sum(&densities));
-    let (from_source, from_onward) = match turn {
-        None => (path.radiance * share, M::Light::ZERO),
-        Some(_) => {
-            let onward_share = per_density(sum(&onward_densities));
-            let apart = if finders_turn > 0.0 { path.apart * (share / finders_turn) } else { M::Light::ZERO };
-            (M::Light::splat(share), apart + path.radiance * onward_share)
-        }
-    };
+    let onward_share = if turn.is_some() { per_density(sum(&onward_densities)) } else { 0.0 };
+    let apart = if finders_turn > 0.0 { path.apart * (share / finders_turn) } else { M::Light::ZERO };
     for k in (0..GROUP).filter(visible) {
-        gathered[k] += seen[k] * from_source + onward[k] * from_onward;
+        // What lies behind a matte y, or behind a glossy one.
+        let behind = path.thrown.iter().fold(path.radiance, |sum, t| sum + t.weighed(posts[k].footprint));
+        gathered[k] += match turn {
+            None => seen[k] * behind * share,
+            Some(_) => seen[k] * share + onward[k] * (apart + behind * onward_share),
+        };
     }
 }

@@ -6,10 +6,8 @@
 use arrayvec::ArrayVec;
 
 use super::direct::MOST_DRAWS_LOG2;
-use super::guide::Leaf;
 use super::path::{Arrival, Path};
-use super::post::{Kept, Post, hand_out};
-use super::vertex::Vertex;
+use super::post::{Post, hand_out};
 use super::{Tactics, Tally};
 use crate::embree::{BATCH, Ray};
 use crate::mode::{Lanes, Mode};
@@ -31,19 +29,8 @@ struct Doubts<L> {
     lanes: [u8; DRAWS],
 }
 
-/// What is to be followed besides the paths of a group.
-struct Besides<M: Mode> {
-    /// Paths whose way on from x is one of several to be tried, as they were before they took it, by their numbers.
-    forks: ArrayVec<(usize, Path<M>), GROUP>,
-    /// What smooth surfaces mirror of what goes through, by the number of the path that goes through.
-    mirrored: ArrayVec<(usize, Path<M>), MIRRORED>,
-}
-
-impl<M: Mode> Besides<M> {
-    fn new() -> Self {
-        Self { forks: ArrayVec::new(), mirrored: ArrayVec::new() }
-    }
-}
+/// What smooth surfaces mirror of what goes through, by the number of the path that goes through.
+type Mirrored<M> = ArrayVec<(usize, Path<M>), MIRRORED>;
 
 /// Estimates the radiance of a group of paths, into [`Path::radiance`]. They must have the same waves; how many they are
 /// changes the noise, not the mean.
@@ -53,15 +40,14 @@ pub fn radiances<M: Mode>(
     paths: &mut ArrayVec<Path<M>, GROUP>,
     tally: &mut Tally,
 ) {
-    let mut besides = Besides::new();
-    radiances_of_group(scene, tactics, paths, &mut besides, tally);
-    while !besides.mirrored.is_empty() {
-        let rest = besides.mirrored.len().saturating_sub(GROUP);
-        let (of, mut group): (ArrayVec<usize, GROUP>, ArrayVec<Path<M>, GROUP>) =
-            besides.mirrored.drain(rest..).unzip();
-        radiances_of_group(scene, tactics, &mut group, &mut besides, tally);
+    let mut mirrored = Mirrored::new();
+    radiances_of_group(scene, tactics, paths, &mut mirrored, tally);
+    while !mirrored.is_empty() {
+        let rest = mirrored.len().saturating_sub(GROUP);
+        let (of, mut group): (ArrayVec<usize, GROUP>, ArrayVec<Path<M>, GROUP>) = mirrored.drain(rest..).unzip();
+        radiances_of_group(scene, tactics, &mut group, &mut mirrored, tally);
         // What split off from these belongs to the same paths.
-        for (number, _) in &mut besides.mirrored[rest..] {
+        for (number, _) in &mut mirrored[rest..] {
             *number = of[*number];
         }
         for (of, path) in of.into_iter().zip(&group) {
@@ -70,48 +56,24 @@ pub fn radiances<M: Mode>(
     }
 }
 
-/// As [`radiances`], but for what is mirrored apart, which `besides` gets.
+/// As [`radiances`], but for what is mirrored apart, which `mirrored` gets.
 fn radiances_of_group<M: Mode>(
     scene: &Scene<M>,
     tactics: &Tactics,
     paths: &mut ArrayVec<Path<M>, GROUP>,
-    besides: &mut Besides<M>,
+    mirrored: &mut Mirrored<M>,
     tally: &mut Tally,
 ) {
     let mut posts: [Post<M>; GROUP] = std::array::from_fn(|_| Post::new(tactics.shares));
-    walk(scene, tactics, paths, &mut posts, besides, tally);
+    walk(scene, tactics, paths, &mut posts, mirrored, tally);
 
     let mut gathered = [M::Light::ZERO; GROUP];
     for (finder, path) in paths.iter().enumerate() {
         hand_out(scene, &posts, finder, path, &mut gathered, tally);
     }
-    for (i, fork) in besides.forks.drain(..) {
-        if let Some((x, leaf)) = posts[i].x.as_ref().and_then(|x| Some((x, x.fork()?))) {
-            gathered[i] += other_ways(scene, tactics, &fork, (x, leaf), tally);
-        }
-    }
     for ((path, post), gathered) in paths.iter_mut().zip(&posts).zip(gathered) {
         path.radiance = post.own(path) + gathered;
     }
-}
-
-/// Light that comes to x by other ways than the one that its path took from there, as far as nobody shares it.
-fn other_ways<M: Mode>(
-    scene: &Scene<M>,
-    tactics: &Tactics,
-    fork: &Path<M>,
-    (x, leaf): (&Vertex<M>, &Leaf),
-    tally: &mut Tally,
-) -> M::Light {
-    let mut sum = M::Light::ZERO;
-    let mut ways = (0..leaf.ways).filter_map(|way| fork.way(way, (x, leaf), tactics)).peekable();
-    while ways.peek().is_some() {
-        let mut group: ArrayVec<Path<M>, GROUP> = ways.by_ref().take(GROUP).collect();
-        let mut posts: [Post<M>; GROUP] = std::array::from_fn(|_| Post::after_x(fork));
-        walk(scene, tactics, &mut group, &mut posts, &mut Besides::new(), tally);
-        sum = group.iter().fold(sum, |sum, way| sum + way.radiance);
-    }
-    sum
 }
 
 /// Takes paths on until all have ended.
@@ -120,7 +82,7 @@ fn walk<'s, M: Mode>(
     tactics: &'s Tactics,
     paths: &mut ArrayVec<Path<M>, GROUP>,
     posts: &mut [Post<'s, M>; GROUP],
-    besides: &mut Besides<M>,
+    mirrored: &mut Mirrored<M>,
     tally: &mut Tally,
 ) {
     let (shadows, lights) = ([[Ray::NONE; GROUP]; DRAWS], [[M::Light::ZERO; GROUP]; DRAWS]);
@@ -139,18 +101,14 @@ fn walk<'s, M: Mode>(
             if active >> i & 1 == 0 {
                 continue;
             }
-            let goes_on = match path.arrive(scene, scene.surface(&hits, i), &tactics.limits) {
+            let goes_on = match path.arrive(scene, scene.surface(&hits, i), tactics) {
                 Arrival::End => false,
                 Arrival::Through => true,
                 Arrival::At(surface, material, beyond) => {
-                    let mut vertex = path.vertex(scene, tactics.guide.as_ref(), (surface, material), beyond);
+                    let mut vertex = path.vertex(scene, tactics, (surface, material), beyond);
                     let kept = post.judge(&vertex, path);
-                    if post.has_met(kept) {
-                        active &= !(1 << i);
-                        continue;
-                    }
-                    if !besides.mirrored.is_full() {
-                        besides.mirrored.extend(path.split(&mut vertex, tactics).map(|mirrored| (i, mirrored)));
+                    if !mirrored.is_full() {
+                        mirrored.extend(path.split(&mut vertex, tactics).map(|mirrored| (i, mirrored)));
                     }
                     for draw in 0..1 << path.draws_log2(tactics) {
                         let direct = path.direct(scene, (&vertex, kept), draw, tactics, tally);
@@ -166,14 +124,7 @@ fn walk<'s, M: Mode>(
                             }
                         }
                     }
-                    let fork = if kept == Kept::X { vertex.fork() } else { None };
-                    if fork.is_some() {
-                        besides.forks.push((i, path.clone()));
-                    }
                     let goes_on = path.send_on((&vertex, kept), tactics);
-                    if let (true, Some(leaf)) = (goes_on, fork) {
-                        path.thin((&vertex, leaf));
-                    }
                     post.keep(kept, vertex, path);
                     goes_on
                 }

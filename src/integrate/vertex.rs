@@ -50,12 +50,6 @@ impl<'s, M: Mode> Vertex<'s, M> {
         }
     }
 
-    /// Where thrown light rules and several ways on are worth trying, where they may lead.
-    #[inline]
-    pub fn fork(&self) -> Option<&'s Leaf> {
-        self.guide.filter(|leaf| leaf.ways > 0)
-    }
-
     /// Density of scattering into `wi` (world space), where the surface alone would scatter with density `pdf`.
     #[inline]
     pub fn density(&self, wi: Vec3, pdf: f32) -> f32 {
@@ -70,6 +64,31 @@ impl<'s, M: Mode> Vertex<'s, M> {
     pub fn local(&self, wi: Vec3) -> Option<Vec3> {
         let local = self.frame.to_local(wi);
         (local.z * wi.dot(self.surface.ng) > 0.0).then_some(local)
+    }
+
+    /// True where light may be followed in either direction by the same rules.
+    #[inline]
+    pub fn is_reversible(&self) -> bool {
+        self.bsdf.is_delta() || matches!(self.bsdf, Bsdf::Diffuse(_) | Bsdf::CoatedDiffuse(_))
+    }
+
+    /// True for a smooth mirror or lens that light from `toward` meets from outside.
+    #[inline]
+    pub fn throws(&self, toward: Vec3) -> bool {
+        match &self.bsdf {
+            Bsdf::Conductor(_) => self.bsdf.is_delta(),
+            Bsdf::Dielectric(_) => self.bsdf.is_delta() && toward.dot(self.surface.ng) > 0.0,
+            Bsdf::Black | Bsdf::Diffuse(_) | Bsdf::CoatedDiffuse(_) => false,
+        }
+    }
+
+    /// What scattering from `wo` into `wi` (world space) is to be multiplied with where it is light that comes from `wo`: on
+    /// surfaces with interpolated normals the two directions differ. Veach 1997, equation 5.19.
+    #[inline]
+    pub fn adjoint(&self, wi: Vec3) -> f32 {
+        let (ng, normal) = (self.surface.ng, self.frame.normal);
+        let wo = self.frame.to_world(self.wo);
+        ((wo.dot(normal) * wi.dot(ng)) / (wo.dot(ng) * wi.dot(normal))).abs()
     }
 
     /// True when a viewer in direction `toward` would see this surface from the same side and through the same normal.

@@ -13,10 +13,12 @@ mod filter;
 mod frame;
 mod noise;
 mod pilot;
+mod splats;
 mod sums;
 mod survey;
 mod tile;
 
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 pub use accumulation::{Accumulation, Block};
@@ -26,7 +28,7 @@ pub use clock::{CpuClock, available_memory, peak_rss_mb};
 pub use doublings::Doublings;
 pub use filter::Filter;
 pub use frame::Frame;
-use glam::{DVec3, Vec2};
+use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 use sums::Samples;
@@ -37,9 +39,10 @@ use thiserror::Error;
 use crate::embree::Ray;
 use crate::integrate::{GROUP, Path, PathLimits, Tactics, Tally, radiances};
 use crate::math::Sampler;
-use crate::mode::{Lanes, Mode};
+use crate::mode::Mode;
 use crate::scene::{Camera, Scene};
 use edge::Edges;
+use splats::{Splats, SplatsOfTile};
 use tile::Tile;
 
 /// What to render.
@@ -151,24 +154,32 @@ pub fn accumulate<M: Mode>(
     let view = View { scene, camera, plan, tactics: pool.install(|| pilot::tactics(scene, camera, plan)) };
     let bug = Bug::default();
     while !watch.stop() && !bug.is_met() && sums.wants_more(plan.noise) {
-        let count = if sums.spp() == 0 { 1 } else { watch.pass(sums) };
+        let mut count = if sums.spp() == 0 { 1 } else { watch.pass(sums) };
         if count == 0 {
             break;
         }
+        if let Some(throw) = &view.tactics.throw {
+            count = count.min(splats::rounds_at_once(throw));
+        }
         let behind = sums.behind(count);
         let first = sums.samples.start;
+        let end_of = |tile: &Tile| tile.goal - behind.min(tile.goal - first);
+        let thrown = pool.install(|| bug.guard(|| splats_of_pass(&view, sums, end_of), || None));
+        let Some((splats, tally)) = thrown else { break };
+        sums.tally += tally;
         sums.tally += pool.install(|| {
             sums.tiles
                 .par_iter_mut()
+                .enumerate()
                 // Tile by tile: of longer runs one is left over when the other threads have no more to do.
                 .with_max_len(1)
-                .map(|tile| {
-                    let end = tile.goal - behind.min(tile.goal - first);
+                .map(|(number, tile)| {
+                    let end = end_of(tile);
                     if tile.next >= end || watch.stop() || bug.is_met() {
                         return Tally::default();
                     }
                     let samples = tile.next..end;
-                    let Some(tally) = render_tile(&view, tile, samples.clone(), &bug) else {
+                    let Some(tally) = render_tile(&view, tile, (samples.clone(), splats.of_tile(number)), &bug) else {
                         return Tally::default();
                     };
                     tile.doublings.note(&tile.sums, tile.next - first);
@@ -188,6 +199,15 @@ pub fn accumulate<M: Mode>(
     Ok(!watch.stop() || !sums.wants_more(plan.noise))
 }
 
+/// What light paths bring to the samples that tiles are to be given, up to the `end_of` each.
+fn splats_of_pass<M: Mode>(view: &View<M>, sums: &Accumulation, end_of: impl Fn(&Tile) -> u32) -> (Splats<M>, Tally) {
+    let Some(throw) = &view.tactics.throw else { return (Splats::NONE, Tally::default()) };
+    let ranges: BTreeSet<(u32, u32)> = sums.tiles.iter().map(|tile| (tile.next, end_of(tile))).collect();
+    let rounds: BTreeSet<u32> = ranges.into_iter().flat_map(|(next, end)| next..end).collect();
+    let rounds: Vec<u32> = rounds.into_iter().collect();
+    Splats::of_rounds(view.scene, view.plan, throw, (sums.size, &sums.tiles), &rounds)
+}
+
 fn pool(plan: &Plan) -> Result<ThreadPool, RenderError> {
     let failed = |e: ThreadPoolBuildError| RenderError::Threads { threads: plan.threads, reason: e.to_string() };
     ThreadPoolBuilder::new().num_threads(plan.threads).build().map_err(failed)
@@ -202,7 +222,12 @@ struct View<'a, M: Mode> {
 }
 
 /// `None` after a panic: the tile is as before then.
-fn render_tile<M: Mode>(view: &View<M>, tile: &mut Tile, samples: Range<u32>, bug: &Bug) -> Option<Tally> {
+fn render_tile<M: Mode>(
+    view: &View<M>,
+    tile: &mut Tile,
+    (samples, splats): (Range<u32>, SplatsOfTile<M>),
+    bug: &Bug,
+) -> Option<Tally> {
     let View { scene, camera, plan, .. } = view;
     let mut tally = Tally::default();
     let edges = match tile.edges.take() {
@@ -212,7 +237,7 @@ fn render_tile<M: Mode>(view: &View<M>, tile: &mut Tile, samples: Range<u32>, bu
     let groups = tile.groups();
     let (end, at) = (samples.end, At::new(None));
     let rendered = bug.guard(
-        || render_groups(view, (tile, &edges), &groups, samples, &at),
+        || render_groups(view, (tile, &edges), &groups, (samples, &splats), &at),
         || at.get().map(|(group, index)| (culprit(view, (tile, &edges), group, index), index)),
     );
     tile.edges = Some(edges);
@@ -230,7 +255,7 @@ fn render_groups<'g, M: Mode>(
     view: &View<M>,
     (tile, edges): (&Tile, &Edges),
     groups: &'g [ArrayVec<u32, GROUP>],
-    samples: Range<u32>,
+    (samples, splats): (Range<u32>, &SplatsOfTile<M>),
     at: &At<'g>,
 ) -> (Vec<(u32, Samples)>, Vec<DVec3>, Tally) {
     let mut tally = Tally::default();
@@ -241,7 +266,7 @@ fn render_groups<'g, M: Mode>(
         let mut sums: [Samples; GROUP] = Default::default();
         for index in samples.clone() {
             at.set(Some((group, index)));
-            render_group(view, (tile, edges), group, index, &mut sums, &mut lights, &mut tally);
+            render_group(view, (tile, edges), (group, index), splats, &mut sums, &mut lights, &mut tally);
         }
         all.extend(group.iter().copied().zip(sums));
     }
@@ -253,7 +278,7 @@ fn culprit<M: Mode>(view: &View<M>, (tile, edges): (&Tile, &Edges), group: &[u32
     let alone = |pixel: u32| {
         let mut lights = vec![DVec3::ZERO; tile.sums.len() * M::GROUPS];
         let (mut sums, mut tally) = (Default::default(), Tally::default());
-        render_group(view, (tile, edges), &[pixel], index, &mut sums, &mut lights, &mut tally);
+        render_group(view, (tile, edges), (&[pixel], index), &SplatsOfTile::NONE, &mut sums, &mut lights, &mut tally);
     };
     let culprit = group.iter().copied().find(|&pixel| panics(|| alone(pixel)));
     tile.place(culprit.or(group.first().copied()).unwrap_or(0))
@@ -279,8 +304,8 @@ fn camera_sample(camera: &Camera, plan: &Plan, [x, y]: [u32; 2], index: u32) -> 
 fn render_group<M: Mode>(
     view: &View<M>,
     (tile, edges): (&Tile, &Edges),
-    group: &[u32],
-    index: u32,
+    (group, index): (&[u32], u32),
+    splats: &SplatsOfTile<M>,
     sums: &mut [Samples; GROUP],
     lights: &mut [DVec3],
     tally: &mut Tally,
@@ -309,21 +334,37 @@ fn render_group<M: Mode>(
         }
     }
     for ((path, sum), &member) in paths.iter().zip(sums).zip(group) {
-        if path.radiance.is_finite() {
-            let mut rgb = M::to_rgb(path.radiance, &path.waves, &scene.stage.sensor);
-            let mut scale = 1.0;
-            if let Some(limit) = plan.clamp.filter(|&limit| rgb.abs().max_element() > limit) {
-                scale = limit / rgb.abs().max_element();
-                rgb *= scale;
-                tally.clamped += 1;
-            }
-            for number in 0..M::GROUPS {
-                let part = M::group_to_rgb(&path.radiance, number, &path.waves, &scene.stage.sensor) * scale;
-                lights[member as usize * M::GROUPS + number] += part.as_dvec3();
-            }
-            tally.beyond_range += u64::from(!sum.add(rgb));
-        } else {
-            tally.non_finite += 1;
-        }
+        let lights = &mut lights[member as usize * M::GROUPS..(member as usize + 1) * M::GROUPS];
+        let own = (path.radiance, path.waves);
+        let parts = std::iter::once(own).chain(splats.of(member, index).map(|splat| (splat.radiance, splat.waves)));
+        add_sample(view, parts, sum, lights, tally);
     }
+}
+
+/// Adds a sample, given in parts, to the sums of a pixel and of its light groups.
+#[inline]
+fn add_sample<M: Mode>(
+    View { scene, plan, .. }: &View<M>,
+    parts: impl Iterator<Item = (M::Light, M::Waves)> + Clone,
+    sum: &mut Samples,
+    lights: &mut [DVec3],
+    tally: &mut Tally,
+) {
+    let sensor = &scene.stage.sensor;
+    let mut rgb: Vec3 = parts.clone().map(|(light, waves)| M::to_rgb(light, &waves, sensor)).sum();
+    if !rgb.is_finite() {
+        tally.non_finite += 1;
+        return;
+    }
+    let mut scale = 1.0;
+    if let Some(limit) = plan.clamp.filter(|&limit| rgb.abs().max_element() > limit) {
+        scale = limit / rgb.abs().max_element();
+        rgb *= scale;
+        tally.clamped += 1;
+    }
+    for (number, sum) in lights.iter_mut().enumerate() {
+        let part: Vec3 = parts.clone().map(|(light, waves)| M::group_to_rgb(&light, number, &waves, sensor)).sum();
+        *sum += (part * scale).as_dvec3();
+    }
+    tally.beyond_range += u64::from(!sum.add(rgb));
 }

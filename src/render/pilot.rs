@@ -4,19 +4,25 @@
 //! parts that other machines render are rendered in the same way.
 
 use arrayvec::ArrayVec;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
 use super::tile::{self, BLOCK};
 use super::{Plan, camera_sample, number};
-use crate::integrate::{GROUP, Guide, MOST_DRAWS_LOG2, Path, Strategy, Tactics, Tally, radiances};
+use crate::embree::BATCH;
+use crate::integrate::{GROUP, MOST_DRAWS_LOG2, Path, Strategy, Tactics, Tally, Throw, radiances};
 use crate::math::{GOLDEN, Sampler};
 use crate::mode::Mode;
 use crate::scene::{Camera, Scene};
 
-/// Photons are a small part of a picture's rays.
-const PIXELS_PER_PHOTON: u32 = 2;
-const MAX_PHOTONS: u32 = 1 << 18;
+/// Light paths of a round at most: large pictures have fewer than pixels, so that they can be kept.
+const MOST_LIGHT_PATHS: u32 = 1 << 21;
+/// Small pictures, or those that light paths bring little to, have up to 2^this times fewer.
+const FEWEST_LIGHT_PATHS_LOG2: u32 = 4;
+/// Light paths that are tried.
+const MOST_LIGHT_TRIALS: u32 = 1 << 13;
+/// What it costs to follow a light path by one ray.
+const LIGHT_PATH_COST: f64 = 1.3;
 /// One group of so many is tried.
 const GROUPS_PER_TRIAL: u32 = 256;
 /// No picture needs more trials; with fewer, nothing is learned.
@@ -45,23 +51,45 @@ struct Trial {
 pub fn tactics<M: Mode>(scene: &Scene<M>, camera: &Camera, plan: &Plan) -> Tactics {
     let [width, height] = camera.size;
     let shares = plan.limits.strategy == Strategy::Shared;
-    let photons = (width.saturating_mul(height) / PIXELS_PER_PHOTON).min(MAX_PHOTONS);
-    let guide = if shares { Guide::new(scene, photons) } else { None };
-    let mut tactics = Tactics { limits: plan.limits, shares, draws_log2: 0, guide };
+    let mut tactics = Tactics { limits: plan.limits, shares, draws_log2: 0, throw: None };
+    let pixels = width.saturating_mul(height).max(1);
+    let throw = if shares { Throw::new(scene, camera, pixels.min(MOST_LIGHT_PATHS)) } else { None };
     let groups = groups(camera.size);
     if !shares || groups.len() < FEWEST_TRIALS as usize {
-        return tactics;
+        return Tactics { throw, ..tactics };
     }
 
     let run = |tactics: &Tactics| -> Vec<Trial> {
         groups.par_iter().with_max_len(1).map(|group| trial(scene, camera, plan, tactics, group)).collect()
     };
+    tactics.throw = throw;
     let base = run(&tactics);
     let weights = weights(&base);
-    let mut best = cost(&base, &weights);
+    let camera = Cost::of_trials(&base, &weights);
+    let (mut best, mut light) = (camera.product(), Cost::default());
+
+    // Follow light paths where they find light sooner, and as many as serve best.
+    if let Some(throw) = &mut tactics.throw {
+        let [light_paths, finds] = Cost::of_light_paths(scene, plan, throw, (&groups, &weights), pixels);
+        best = camera.with(&finds).product() * WORTHWHILE;
+        light = finds;
+        let mut chosen = None;
+        for log2 in 0..=FEWEST_LIGHT_PATHS_LOG2 {
+            let fewer = light_paths.of_fewer(log2);
+            let product = camera.with(&fewer).product();
+            if product < best {
+                (best, light, chosen) = (product, fewer, Some(log2));
+            }
+        }
+        match chosen {
+            Some(log2) => throw.count = (throw.count >> log2).max(1),
+            None => tactics.throw = None,
+        }
+    }
+    let cost = |tactics: &Tactics| Cost::of_trials(&run(tactics), &weights).with(&light).product();
     for draws_log2 in 1..=MOST_DRAWS_LOG2 {
         tactics.draws_log2 = draws_log2;
-        let cost = cost(&run(&tactics), &weights);
+        let cost = cost(&tactics);
         if cost >= best * WORTHWHILE {
             tactics.draws_log2 -= 1;
             break;
@@ -69,7 +97,7 @@ pub fn tactics<M: Mode>(scene: &Scene<M>, camera: &Camera, plan: &Plan) -> Tacti
         best = cost;
     }
     tactics.shares = false;
-    tactics.shares = cost(&run(&tactics), &weights) >= best * WORTHWHILE;
+    tactics.shares = cost(&tactics) >= best * WORTHWHILE;
     tactics
 }
 
@@ -117,19 +145,91 @@ fn weights(trials: &[Trial]) -> Vec<f32> {
     means.iter().map(|mean| 1.0 / (mean + DARK * whole).max(f32::MIN_POSITIVE)).collect()
 }
 
-/// Variance times work: the variance is the geometric mean of the absolute one and of that in relation to brightness.
-fn cost(trials: &[Trial], weights: &[f32]) -> f64 {
-    let (mut absolute, mut relative, mut work) = (0.0, 0.0, 0.0);
-    for (trial, &weight) in trials.iter().zip(weights) {
-        for [a, b] in &trial.pixels {
-            let error2 = ((*a - *b) * weight).length_squared().min(WORST * WORST);
-            relative += f64::from(error2);
-            absolute += f64::from(error2 / (weight * weight));
+/// What some trials cost.
+#[derive(Clone, Copy, Default)]
+struct Cost {
+    /// Variance, absolute and in relation to brightness.
+    absolute: f64,
+    relative: f64,
+    /// In rays that are followed.
+    work: f64,
+}
+
+impl Cost {
+    fn of_trials(trials: &[Trial], weights: &[f32]) -> Self {
+        let mut cost = Self::default();
+        for (trial, &weight) in trials.iter().zip(weights) {
+            for [a, b] in &trial.pixels {
+                cost.add_error((*a - *b).length_squared().min((WORST / weight).powi(2)), weight);
+            }
+            let Tally { rays, shadow_rays, draws, .. } = trial.tally;
+            cost.work +=
+                rays as f64 + DRAW_COST * draws as f64 + LOOK_COST * (shadow_rays - draws.min(shadow_rays)) as f64;
         }
-        let Tally { rays, shadow_rays, draws, .. } = trial.tally;
-        work += rays as f64 + DRAW_COST * draws as f64 + LOOK_COST * (shadow_rays - draws.min(shadow_rays)) as f64;
+        cost
     }
-    (absolute * relative).sqrt() * work
+
+    /// Of all light paths that the same pixels and samples have a share of, by some of them; and of camera paths in their place:
+    /// trials cannot tell, which hardly ever find what light paths find.
+    fn of_light_paths<M: Mode>(
+        scene: &Scene<M>,
+        plan: &Plan,
+        throw: &Throw,
+        (groups, weights): (&[ArrayVec<[u32; 2], GROUP>], &[f32]),
+        pixels: u32,
+    ) -> [Self; 2] {
+        let weight_at = |at: Vec2| {
+            let distance2 = |group: &[[u32; 2]]| Vec2::from(group[0].map(|x| x as f32)).distance_squared(at);
+            let nearest = groups.iter().zip(weights).min_by(|a, b| distance2(a.0).total_cmp(&distance2(b.0)));
+            nearest.map_or(1.0, |(_, &weight)| weight)
+        };
+        let (mut cost, mut finds, mut tally) = (Self::default(), Self::default(), Tally::default());
+        let count = throw.count.min(MOST_LIGHT_TRIALS);
+        for first in (0..count).step_by(BATCH) {
+            let numbers = first..(first + BATCH as u32).min(count);
+            throw.follow(scene, &plan.limits, (0, numbers, plan.seed), &mut tally, |landing| {
+                let error2 = M::to_rgb(landing.radiance, &landing.waves, &scene.stage.sensor).length_squared();
+                let weight = weight_at(landing.at);
+                cost.add_error(error2, weight);
+                // So many times as rare, and as much brighter.
+                finds.add_error(error2 * (1.0 + landing.share).powi(2) / landing.share, weight);
+            });
+        }
+        cost.work = LIGHT_PATH_COST * (tally.rays + tally.shadow_rays) as f64;
+        // Of a round to those of so many samples, of the picture to the pixels that are tried.
+        let tried: usize = groups.iter().map(|group| group.len()).sum();
+        let share = tried as f64 / f64::from(pixels) * f64::from(2 * HALF) * f64::from(throw.count) / f64::from(count);
+        [cost, finds].map(|cost| Self {
+            absolute: cost.absolute * share,
+            relative: cost.relative * share,
+            work: cost.work * share,
+        })
+    }
+
+    fn add_error(&mut self, error2: f32, weight: f32) {
+        self.absolute += f64::from(error2);
+        self.relative += f64::from(error2 * weight * weight);
+    }
+
+    /// Of 2^`log2` times fewer light paths, each of which brings as many times more.
+    fn of_fewer(&self, log2: u32) -> Self {
+        let times = f64::from(1u32 << log2);
+        Self { absolute: self.absolute * times, relative: self.relative * times, work: self.work / times }
+    }
+
+    /// Of both together.
+    fn with(&self, other: &Self) -> Self {
+        Self {
+            absolute: self.absolute + other.absolute,
+            relative: self.relative + other.relative,
+            work: self.work + other.work,
+        }
+    }
+
+    /// Variance times work: the variance is the geometric mean of the absolute one and of that in relation to brightness.
+    fn product(&self) -> f64 {
+        (self.absolute * self.relative).sqrt() * self.work
+    }
 }
 
 #[cfg(test)]
@@ -171,7 +271,7 @@ mod tests {
             let tally = Tally { rays: 100, ..Tally::default() };
             (0..MOST_TRIALS).map(|_| Trial { pixels: (0..GROUP).map(pixels).collect(), tally }).collect()
         };
-        let cost = |trials: &[Trial]| cost(trials, &weights(trials));
+        let cost = |trials: &[Trial]| Cost::of_trials(trials, &weights(trials)).product();
         let (mut calm, noisy) = (trials(0.2), trials(0.4));
         assert!(cost(&noisy) > 3.0 * cost(&calm));
         calm[7].pixels[3][0] = Vec3::splat(100.0);

@@ -259,7 +259,7 @@ impl<'a> Assembly<'a> {
     /// Adds a place with the emitters of its shining parts.
     fn add_place(&mut self, mut place: Place, mesh: Option<&Mesh>, object_to_world: &Affine3A) {
         let number = self.places.len() as u32;
-        place.node = self.node;
+        (place.number, place.node) = (number, self.node);
         match (mesh, &place.body) {
             (Some(mesh), _) => {
                 // What the file holds may be mirrored where Embree holds it as it is.

@@ -224,6 +224,53 @@ impl Camera {
         let focus = self.origin + direction * lens.focus_distance_m;
         Ray::new(origin, (focus - origin).normalize())
     }
+
+    /// Where and how the camera sees a point, through the point of the lens that `u` picks; `None` where it lies behind or
+    /// outside of the picture and its margin of two pixels.
+    #[inline]
+    pub fn see(&self, point: Vec3, u: [f32; 2]) -> Option<View> {
+        let size = Vec2::new(self.size[0] as f32, self.size[1] as f32);
+        let pixel_at_1 = 4.0 * self.half.x * self.half.y / (size.x * size.y);
+        let mut eye = self.origin;
+        if let Some(lens) = &self.lens {
+            let on_lens = aperture_point(lens.blades, u) * lens.aperture_radius_m;
+            eye += self.right * on_lens.x + self.up * on_lens.y;
+        }
+        let way = point - eye;
+        let depth = way.dot(self.forward);
+        if depth <= 0.0 {
+            return None;
+        }
+        // The point of the picture's plane (at unit distance) through which the lens sees it.
+        let (on_plane, toward, distance_m, pixel_m2) = if self.orthographic {
+            (point - self.origin, -self.forward, depth, pixel_at_1)
+        } else {
+            let distance_m = way.length();
+            let cos = depth / distance_m;
+            let focus_m = self.lens.map_or(1.0, |lens| lens.focus_distance_m);
+            let on_plane = (eye + way * (focus_m / depth) - self.origin) * (1.0 / focus_m);
+            (on_plane, way * (-1.0 / distance_m), distance_m, pixel_at_1 * distance_m * distance_m * cos * cos * cos)
+        };
+        let x = on_plane.dot(self.right) / self.half.x;
+        let y = -on_plane.dot(self.up) / self.half.y;
+        let ndc = Vec2::new(x, y) - Vec2::new(2.0, -2.0) * self.shift * size.max_element() / size;
+        let at = (0.5 * ndc + 0.5) * size;
+        let margin = 2.0;
+        let inside = at.cmpge(Vec2::splat(-margin)).all() && at.cmple(size + margin).all();
+        inside.then_some(View { at, toward, distance_m, pixel_m2 })
+    }
+}
+
+/// How the camera sees a point.
+#[derive(Clone, Copy, Debug)]
+pub struct View {
+    /// Pixels from the upper left corner.
+    pub at: Vec2,
+    /// Unit vector from the point to the camera.
+    pub toward: Vec3,
+    pub distance_m: f32,
+    /// What a pixel there covers of a surface that faces the camera.
+    pub pixel_m2: f32,
 }
 
 /// A uniform point of the unit aperture: a disc, or a regular polygon with a corner at the top.

@@ -96,6 +96,8 @@ pub struct LightSample {
     pub pdf: f32,
     /// True when no scattered ray can find the light: it is a point, parallel, or an invisible surface.
     pub alone: bool,
+    /// Outward normal of a shining surface; zero for the others.
+    pub ng: Vec3,
 }
 
 /// What arrives along a drawn direction.
@@ -151,7 +153,7 @@ impl Emitter {
             Self::Point { position, intensity, falloff } => {
                 let (wi, distance_m) = toward(from, *position)?;
                 let light = LightAt::Radiance(intensity.scaled(attenuation(*falloff, distance_m)));
-                Some(LightSample { wi, distance_m, light, pdf: 1.0, alone: true })
+                Some(LightSample { wi, distance_m, light, pdf: 1.0, alone: true, ng: Vec3::ZERO })
             }
             Self::Spot(spot) => {
                 let on_disk = square_to_disk(u).extend(0.0) * spot.radius_m;
@@ -159,21 +161,35 @@ impl Emitter {
                 let edge = spot.edge_factor(-wi.dot(spot.axis));
                 let strength = edge * attenuation(spot.falloff, distance_m);
                 let light = LightAt::Radiance(spot.intensity.scaled(strength));
-                (edge > 0.0).then_some(LightSample { wi, distance_m, light, pdf: 1.0, alone: true })
+                (edge > 0.0).then_some(LightSample { wi, distance_m, light, pdf: 1.0, alone: true, ng: Vec3::ZERO })
             }
             Self::Directional { toward, one_minus_cos, irradiance } => {
                 if *one_minus_cos == 0.0 {
                     let light = LightAt::Radiance(*irradiance);
-                    return Some(LightSample { wi: *toward, distance_m: f32::INFINITY, light, pdf: 1.0, alone: true });
+                    return Some(LightSample {
+                        wi: *toward,
+                        distance_m: f32::INFINITY,
+                        light,
+                        pdf: 1.0,
+                        alone: true,
+                        ng: Vec3::ZERO,
+                    });
                 }
                 let wi = Frame::new(*toward).to_world(square_to_cone(u, *one_minus_cos));
                 let light = LightAt::Radiance(disc_radiance(irradiance, *one_minus_cos));
-                Some(LightSample { wi, distance_m: f32::INFINITY, light, pdf: cone_pdf(*one_minus_cos), alone: false })
+                Some(LightSample {
+                    wi,
+                    distance_m: f32::INFINITY,
+                    light,
+                    pdf: cone_pdf(*one_minus_cos),
+                    alone: false,
+                    ng: Vec3::ZERO,
+                })
             }
             Self::Sky(sky) => {
                 let (wi, pdf, radiance) = sky.sample(u)?;
                 let light = LightAt::Radiance(radiance);
-                Some(LightSample { wi, distance_m: f32::INFINITY, light, pdf, alone: false })
+                Some(LightSample { wi, distance_m: f32::INFINITY, light, pdf, alone: false, ng: Vec3::ZERO })
             }
         }
     }
@@ -215,7 +231,7 @@ impl Triangle {
         }
         let pdf = distance_m * distance_m / (cos.abs() * self.area_m2);
         let light = LightAt::Surface { place: self.place, material: self.material, prim: self.prim, barycentric, cos };
-        Some(LightSample { wi, distance_m, light, pdf, alone: self.hidden })
+        Some(LightSample { wi, distance_m, light, pdf, alone: self.hidden, ng: self.normal })
     }
 }
 
@@ -274,7 +290,14 @@ impl Sphere {
             let (wi, distance_m) = toward(from, center + normal * radius)?;
             let cos = -wi.dot(normal);
             let pdf = distance_m * distance_m / (cos.abs() * 4.0 * PI * radius * radius);
-            return (cos != 0.0).then_some(LightSample { wi, distance_m, light: surface(cos), pdf, alone: hidden });
+            return (cos != 0.0).then_some(LightSample {
+                wi,
+                distance_m,
+                light: surface(cos),
+                pdf,
+                alone: hidden,
+                ng: normal,
+            });
         };
         let local = square_to_cone(u, one_minus_cos);
         let wi = Frame::new(axis).to_world(local);
@@ -283,7 +306,8 @@ impl Sphere {
         let half_chord = (radius * radius - miss2).max(0.0).sqrt();
         let distance_m = to_center_m * local.z - half_chord;
         let light = surface(half_chord / radius);
-        Some(LightSample { wi, distance_m, light, pdf: cone_pdf(one_minus_cos), alone: hidden })
+        let ng = (from + wi * distance_m - center) * (1.0 / radius);
+        Some(LightSample { wi, distance_m, light, pdf: cone_pdf(one_minus_cos), alone: hidden, ng })
     }
 
     pub(super) fn pdf(&self, from: Vec3, surface: &Surface) -> f32 {
@@ -298,7 +322,7 @@ impl Sphere {
 }
 
 /// 1 - cos of the half angle of the cone that holds a sphere; `None` from inside (or on) it.
-fn visible_cap(distance_m: f32, radius: f32) -> Option<f32> {
+pub(super) fn visible_cap(distance_m: f32, radius: f32) -> Option<f32> {
     let sin2 = (radius / distance_m).powi(2);
     // 1 - sqrt(1 - x) without cancellation.
     (sin2 < 0.999_99).then(|| sin2 / (1.0 + (1.0 - sin2).sqrt()))

@@ -223,15 +223,15 @@ impl<M: Mode> Material<M> {
         self.lets_through
     }
 
-    /// True when it may throw light from a lamp onto other surfaces as a bright pattern: mirrors and lenses.
+    /// True when it may be a perfectly smooth mirror or lens.
     pub fn casts(&self) -> bool {
         match &self.body {
-            // What neighbours can share, they find often enough.
             Body::Conductor { roughness, distribution, .. } => {
-                let microfacets = Microfacets { distribution: *distribution, alpha: roughness.value };
-                roughness.map.is_some() || !microfacets.is_broad()
+                roughness.map.is_some()
+                    || Microfacets { distribution: *distribution, alpha: roughness.value }.is_smooth()
             }
-            Body::Dielectric { .. } | Body::Refractor { .. } => true,
+            Body::Dielectric { roughness, rough, .. } => roughness.map.is_some() || rough.is_none(),
+            Body::Refractor { .. } => true,
             Body::Black | Body::Diffuse { .. } | Body::CoatedDiffuse { .. } => false,
         }
     }

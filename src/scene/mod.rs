@@ -3,10 +3,10 @@
 //! A [`Stage`] is built once from a [`Document`]: shapes, images, lights. A [`Scene`] adds the
 //! materials, compiled for one colour mode.
 
+mod aim;
 mod assembly;
 mod beam;
 mod camera;
-mod caster;
 mod environment;
 mod groups;
 mod light;
@@ -26,8 +26,8 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Instant;
 
-pub use camera::{Camera, Framing, Placed, cameras};
-pub use caster::Caster;
+pub use aim::{Aim, Shot};
+pub use camera::{Camera, Framing, Placed, View, cameras};
 use glam::{Vec2, Vec3};
 pub use groups::LightGroups;
 use light::Source;

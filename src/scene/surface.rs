@@ -10,6 +10,8 @@ use crate::embree::{Accel, Hit, Shape};
 
 /// A shape in the world, as shading sees it.
 pub struct Place {
+    /// Its own number in the scene.
+    pub number: u32,
     /// The document's node that it stands in.
     pub node: u32,
     pub shape: Shape,
@@ -211,6 +213,7 @@ impl Place {
     /// `to_world` maps what Embree holds, `object_to_world` what the file holds.
     pub fn new(shape: Shape, body: Body, parts: Vec<Part>, to_world: Affine3A, object_to_world: Affine3A) -> Self {
         let mut place = Self {
+            number: u32::MAX,
             node: u32::MAX,
             shape,
             body,

@@ -1,0 +1,279 @@
+//! Light that smooth mirrors and lenses throw onto other surfaces, followed from the lamps.
+//!
+//! A caustic is bright, small, and a path from the camera finds the way to the lamp that makes it by luck alone. A path that
+//! begins at the lamp finds it at once: wherever it lands on a matte surface it adds to the pixel that sees it there. Both find
+//! the same light, so each is weighed by how likely it was to find it (the balance heuristic). Veach 1997, chapter 10, where
+//! light paths are the strategy with one vertex on the lens.
+//!
+//! Only light that comes to a smooth surface straight from a lamp is weighed: what others scatter is drawn by next-event
+//! estimation, and found well. The ratio of the two densities is that of their ends alone: along smooth surfaces flux keeps its
+//! spread in area and direction, and matte ones scatter alike both ways.
+
+use std::f32::consts::PI;
+use std::ops::Range;
+
+use arrayvec::ArrayVec;
+use glam::{Vec2, Vec3};
+
+use super::guide::Guide;
+use super::vertex::Vertex;
+use super::{PathLimits, Tally};
+use crate::bsdf::{Bsdf, Pdf};
+use crate::embree::{BATCH, Ray};
+use crate::math::Sampler;
+use crate::mode::{Lanes, Mode};
+use crate::scene::{Aim, Camera, Interior, Scene, Shot, Surface, View};
+
+/// Surfaces that a light path may meet.
+const MAX_SURFACES: u32 = 64;
+/// Photons are a small part of a picture's rays.
+const PATHS_PER_PHOTON: u32 = 2;
+const MAX_PHOTONS: u32 = 1 << 18;
+/// Salt of the numbers that light paths draw: those of pixels are others.
+const SALT: u32 = 0x6c_69_67_68;
+
+/// The light paths of a picture.
+pub struct Throw {
+    aim: Aim,
+    camera: Camera,
+    /// Where to look for what is not seen from the camera.
+    guide: Option<Guide>,
+    /// Paths in a round; each round adds to one sample of every pixel.
+    pub count: u32,
+}
+
+/// What a light path brings to a point of the picture, in pixels from the upper left: its share of a round's radiance there,
+/// per pixel.
+pub struct Landing<M: Mode> {
+    pub at: Vec2,
+    pub radiance: M::Light,
+    /// Density of the path in relation to that of a camera path that finds the same.
+    pub share: f32,
+    pub waves: M::Waves,
+    /// For whoever needs to choose a pixel.
+    pub u: [f32; 2],
+}
+
+/// Light that a camera path found which light paths find, too.
+#[derive(Clone, Copy)]
+pub(super) struct Thrown<L> {
+    pub light: L,
+    /// Of light paths that leave the lamp in this way, per m2 across them and sr.
+    pub density: f32,
+}
+
+impl<L: Lanes> Thrown<L> {
+    /// What counts of it where the path's first surface has this footprint ([`Throw::footprint`]).
+    #[inline]
+    pub fn weighed(&self, footprint_m2_sr: f32) -> L {
+        self.light * (1.0 / (1.0 + footprint_m2_sr * self.density))
+    }
+}
+
+impl Throw {
+    /// `None` where no smooth surface throws light.
+    pub fn new<M: Mode>(scene: &Scene<M>, camera: &Camera, count: u32) -> Option<Self> {
+        let aim = Aim::new(scene)?;
+        let guide = Guide::new(scene, &aim, (count / PATHS_PER_PHOTON).min(MAX_PHOTONS));
+        Some(Self { aim, camera: camera.clone(), guide, count })
+    }
+
+    pub(super) fn guide(&self) -> Option<&Guide> {
+        self.guide.as_ref()
+    }
+
+    /// What the density of light paths at a surface is to be multiplied with to be compared with the density of camera paths that
+    /// see it first and are scattered there: 0 where light paths add nothing.
+    pub(super) fn footprint<M: Mode>(&self, vertex: &Vertex<M>) -> f32 {
+        let matte = matches!(vertex.bsdf, Bsdf::Diffuse(_) | Bsdf::CoatedDiffuse(_));
+        let Some(seen) = self.camera.see(vertex.surface.position, [0.5; 2]).filter(|_| matte && !vertex.bent) else {
+            return 0.0;
+        };
+        let cos = seen.toward.dot(vertex.surface.ng).abs();
+        self.count as f32 * PI * seen.pixel_m2 / cos.max(1e-6)
+    }
+
+    /// Density of light paths from a point of a lamp in a direction, to this place; per m2 across them and sr.
+    pub(super) fn density<M: Mode>(&self, scene: &Scene<M>, place: u32, lamp: &Surface, dir: Vec3) -> f32 {
+        self.aim.density(scene, place, lamp, dir)
+    }
+
+    /// The same from beyond the scene.
+    pub(super) fn density_from_afar<M: Mode>(
+        &self,
+        scene: &Scene<M>,
+        place: u32,
+        toward: Vec3,
+        waves: &M::Waves,
+    ) -> f32 {
+        self.aim.from_afar(scene, place, toward, waves).1
+    }
+
+    /// Follows up to [`BATCH`] light paths of a round, by their numbers, and tells `land` what they bring.
+    pub fn follow<M: Mode>(
+        &self,
+        scene: &Scene<M>,
+        limits: &PathLimits,
+        (round, numbers, seed): (u32, Range<u32>, u32),
+        tally: &mut Tally,
+        mut land: impl FnMut(Landing<M>),
+    ) {
+        let send = |number| LightPath::new(scene, &self.aim, Sampler::new(round, number, seed ^ SALT));
+        let mut paths: ArrayVec<LightPath<M>, BATCH> = numbers.filter_map(send).collect();
+        let (mut rays, mut shadows) = ([Ray::NONE; BATCH], [Ray::NONE; BATCH]);
+        let mut active = 0u8;
+        for (i, path) in paths.iter().enumerate() {
+            rays[i] = path.ray;
+            active |= 1 << i;
+        }
+        for _ in 0..MAX_SURFACES {
+            if active == 0 {
+                break;
+            }
+            tally.rays += u64::from(active.count_ones());
+            let hits = scene.stage.intersect_batch(&rays, active);
+            let mut landings = ArrayVec::<(usize, Landing<M>), BATCH>::new();
+            let mut doubtful = 0;
+            for (i, path) in paths.iter_mut().enumerate() {
+                if active >> i & 1 == 0 {
+                    continue;
+                }
+                let goes_on = scene.surface(&hits, i).is_some_and(|surface| {
+                    let Some(vertex) = path.arrive(scene, surface) else { return true };
+                    if let Some((landing, way)) = self.land(scene, &vertex, path, tally) {
+                        landings.push((i, landing));
+                        shadows[i] = way;
+                        doubtful |= u8::from(!scene.lets_through()) << i;
+                    }
+                    path.send_on(&vertex, limits)
+                });
+                rays[i] = path.ray;
+                if !goes_on {
+                    active &= !(1 << i);
+                }
+            }
+            tally.shadow_rays += u64::from(doubtful.count_ones());
+            let hidden = scene.stage.occluded_batch(&shadows, doubtful);
+            for (i, landing) in landings {
+                if hidden >> i & 1 == 0 {
+                    land(landing);
+                }
+            }
+        }
+    }
+
+    /// What light that arrives at a surface brings to the picture, if nothing lies on the ray to the camera.
+    fn land<M: Mode>(
+        &self,
+        scene: &Scene<M>,
+        vertex: &Vertex<M>,
+        path: &mut LightPath<M>,
+        tally: &mut Tally,
+    ) -> Option<(Landing<M>, Ray)> {
+        let footprint = self.footprint(vertex);
+        if path.bounce == 0 || footprint == 0.0 {
+            return None;
+        }
+        let [u_lens_x, u_lens_y, u_x, u_y] = path.sampler.next_4d();
+        let View { at, toward, distance_m, pixel_m2 } =
+            self.camera.see(vertex.surface.position, [u_lens_x, u_lens_y])?;
+        let local = vertex.local(toward).filter(|_| vertex.looks_the_same(toward))?;
+        let (value, _) = vertex.bsdf.eval(vertex.wo, local, &path.waves);
+        let share = footprint * path.density;
+        let weight = share / (1.0 + share) * vertex.adjoint(toward) / (pixel_m2 * self.count as f32);
+        let mut radiance = path.power * value * weight;
+        let way = Ray { tfar: distance_m, ..Ray::new(vertex.surface.leave(toward), toward) };
+        if scene.lets_through() {
+            radiance *= scene.transmittance(&way, &vertex.interior, &path.waves, &mut tally.shadow_rays).0;
+        } else if vertex.interior.absorption_per_m != Vec3::ZERO {
+            radiance *= Scene::<M>::left_over(&vertex.interior, distance_m, &path.waves);
+        }
+        let counts = !radiance.is_black() && radiance.is_finite();
+        counts.then_some((Landing { at, radiance, share, waves: path.waves, u: [u_x, u_y] }, way))
+    }
+}
+
+/// A path that begins at a lamp.
+struct LightPath<M: Mode> {
+    ray: Ray,
+    interior: Interior,
+    waves: M::Waves,
+    sampler: Sampler,
+    /// Radiance over the density of all that was drawn.
+    power: M::Light,
+    /// Of its first ray, and the place that this was aimed at.
+    density: f32,
+    place: u32,
+    bounce: u32,
+    /// For the surface and its holes.
+    u_surface: [f32; 4],
+}
+
+impl<M: Mode> LightPath<M> {
+    fn new(scene: &Scene<M>, aim: &Aim, mut sampler: Sampler) -> Option<Self> {
+        let [u_wave, ..] = sampler.next_4d();
+        let waves = M::waves(u_wave);
+        let u = [sampler.next_4d(), sampler.next_4d()];
+        let Shot { ray, interior, radiance, density, place } = aim.shoot(scene, u, &waves)?;
+        let power = radiance * (1.0 / density);
+        Some(Self { ray, interior, waves, sampler, power, density, place, bounce: 0, u_surface: [0.0; 4] })
+    }
+
+    /// Takes the path to what its ray met: the vertex there, or nothing where it goes through a hole.
+    fn arrive<'s>(&mut self, scene: &'s Scene<M>, mut surface: Surface<'s>) -> Option<Vertex<'s, M>> {
+        self.u_surface = self.sampler.next_4d();
+        let (material, beyond) = scene.meet(&self.ray, &mut surface, &self.interior);
+        if self.interior.absorption_per_m != Vec3::ZERO {
+            let distance_m = surface.position.distance(self.ray.origin);
+            self.power *= Scene::<M>::left_over(&self.interior, distance_m, &self.waves);
+        }
+        let there = material.filter(|material| self.u_surface[3] < material.coverage(&surface, scene.textures()));
+        if there.is_none() {
+            self.ray = Ray::new(surface.leave(self.ray.dir), self.ray.dir);
+            self.interior = beyond;
+        }
+        let interiors = [self.interior, beyond];
+        there.map(|material| Vertex::new(scene, (surface, material), -self.ray.dir, interiors, &self.waves))
+    }
+
+    /// Samples the surface; false where the path ends.
+    fn send_on(&mut self, vertex: &Vertex<M>, limits: &PathLimits) -> bool {
+        let [u_x, u_y, u_lobe, _] = self.u_surface;
+        let Some(sample) = vertex.bsdf.sample(vertex.wo, [u_lobe, u_x, u_y], &self.waves) else { return false };
+        let wi = vertex.frame.to_world(sample.wi);
+        let crosses = sample.wi.z * vertex.wo.z < 0.0;
+        if let Pdf::Through(_) = sample.pdf {
+            self.power *= sample.weight;
+        } else {
+            let aimed = self.bounce > 0
+                || sample.pdf == Pdf::Delta
+                    && vertex.throws(-self.ray.dir)
+                    && vertex.surface.place.number == self.place;
+            self.bounce += 1;
+            let same_side = wi.dot(vertex.surface.ng) * sample.wi.z > 0.0;
+            if !aimed || !same_side || !vertex.is_reversible() || self.bounce >= limits.max_bounces {
+                return false;
+            }
+            // Light is not compressed in dense bodies as radiance is.
+            let scale = if crosses { vertex.bsdf.compression(sample.wi.z < 0.0) } else { 1.0 };
+            self.power *= sample.weight * (scale * vertex.adjoint(wi));
+            if sample.collapses {
+                M::collapse(&mut self.waves);
+            }
+            // Where light is absorbed paths end, so that all that are left carry about as much.
+            if let Pdf::SolidAngle(_) = sample.pdf {
+                let survival = sample.weight.max().min(0.95);
+                let [u_survival, ..] = self.sampler.next_4d();
+                if u_survival >= survival {
+                    return false;
+                }
+                self.power = self.power * (1.0 / survival);
+            }
+        }
+        if crosses {
+            self.interior = vertex.beyond;
+        }
+        self.ray = Ray::new(vertex.surface.leave(wi), wi);
+        true
+    }
+}

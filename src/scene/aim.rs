@@ -1,0 +1,156 @@
+//! Rays from lamps that are aimed at mirrors and lenses, and how likely each is.
+
+use std::collections::HashMap;
+use std::f32::consts::PI;
+
+use glam::Vec3;
+
+use super::light::visible_cap;
+use super::surface::{Body, Surface};
+use super::{Interior, Scene};
+use crate::embree::{Ray, Shape};
+use crate::math::warp::{cone_pdf, square_to_cone, square_to_disk};
+use crate::math::{Frame, extent};
+use crate::mode::{Lanes, Mode};
+
+/// A ball around a shape that throws light.
+struct Caster {
+    /// [`Place::number`](super::Place::number) of the shape.
+    place: u32,
+    center: Vec3,
+    radius_m: f32,
+    /// The chance that it is aimed at.
+    chance: f32,
+}
+
+/// Aims at every shape that has a perfectly smooth mirror or lens among its materials, more often where it is large.
+pub struct Aim {
+    casters: Vec<Caster>,
+    /// Of the chances up to and including each caster's.
+    sums: Vec<f32>,
+    /// The caster that each place is, if it is one.
+    of_place: Vec<Option<u32>>,
+}
+
+/// Light on its way from a lamp.
+pub struct Shot<M: Mode> {
+    pub ray: Ray,
+    pub interior: Interior,
+    /// Along the ray.
+    pub radiance: M::Light,
+    /// Of such rays, per m2 across them and sr.
+    pub density: f32,
+    /// The place that it is aimed at: whatever else it meets first was aimed at in its own right.
+    pub place: u32,
+}
+
+impl Aim {
+    /// `None` where there is nothing to aim at.
+    pub fn new<M: Mode>(scene: &Scene<M>) -> Option<Self> {
+        let stage = &scene.stage;
+        let mut boxes = HashMap::<Shape, (Vec3, Vec3)>::new();
+        let mut casters = Vec::new();
+        let mut of_place = vec![None; stage.places.len()];
+        for (number, place) in (0u32..).zip(&stage.places) {
+            if !place.parts.iter().any(|part| scene.materials[part.material as usize].casts()) {
+                continue;
+            }
+            let (center, radius) = match &place.body {
+                Body::Sphere { center, radius } => (*center, *radius),
+                Body::Mesh(_) => {
+                    let positions = stage.accel.positions(place.shape);
+                    let (low, high) = *boxes.entry(place.shape).or_insert_with(|| extent(positions.iter().copied()));
+                    (0.5 * (low + high), 0.5 * low.distance(high))
+                }
+            };
+            // A little larger, so that rounding puts no vertex outside.
+            let (center, radius_m) = (place.to_world.transform_point3(center), 1.0001 * radius * place.scale);
+            if radius_m > 0.0 && radius_m.is_finite() {
+                of_place[number as usize] = Some(casters.len() as u32);
+                casters.push(Caster { place: number, center, radius_m, chance: radius_m * radius_m });
+            }
+        }
+        let total: f32 = casters.iter().map(|caster| caster.chance).sum();
+        let mut sum = 0.0;
+        let mut sums = Vec::with_capacity(casters.len());
+        for caster in &mut casters {
+            caster.chance /= total;
+            sum += caster.chance;
+            sums.push(sum);
+        }
+        (!casters.is_empty()).then_some(Self { casters, sums, of_place })
+    }
+
+    /// Light from a lamp, drawn by eight numbers; `None` where a draw finds none.
+    pub fn shoot<M: Mode>(
+        &self,
+        scene: &Scene<M>,
+        [[u_caster, u_light, u_light_x, u_light_y], [u_x, u_y, ..]]: [[f32; 4]; 2],
+        waves: &M::Waves,
+    ) -> Option<Shot<M>> {
+        let at = self.sums.partition_point(|&sum| sum <= u_caster);
+        let caster = &self.casters[at.min(self.casters.len() - 1)];
+        let light = scene.stage.lights.sample(caster.center, [u_light, u_light_x, u_light_y])?;
+        if light.alone {
+            return None;
+        }
+        let place = caster.place;
+        if light.distance_m.is_infinite() {
+            let (radiance, density) = self.from_afar(scene, place, light.wi, waves);
+            let aim =
+                caster.center + Frame::new(light.wi).to_world(square_to_disk([u_x, u_y]).extend(0.0)) * caster.radius_m;
+            let (low, high) = scene.stage.bounds;
+            let ray = Ray::new(aim + light.wi * low.distance(high), -light.wi);
+            return (!radiance.is_black()).then_some(Shot { ray, interior: Interior::AIR, radiance, density, place });
+        }
+        let lamp = caster.center + light.wi * light.distance_m;
+        let dir =
+            Frame::new(-light.wi).to_world(square_to_cone([u_x, u_y], visible_cap(light.distance_m, caster.radius_m)?));
+        let density = caster.density(lamp, light.ng, dir, light.pdf);
+        let radiance = scene.arriving(&light.light, waves);
+        if density <= 0.0 || radiance.is_black() {
+            return None;
+        }
+        // A lamp's own surface does not hold its light back.
+        let origin = lamp + light.ng * (2e-6 * (lamp.abs().max_element() + caster.radius_m));
+        Some(Shot { ray: Ray::new(origin, dir), interior: scene.interior_at(origin), radiance, density, place })
+    }
+
+    /// Density with which [`shoot`](Self::shoot) sends light from a point of a lamp in a direction, where it meets this place
+    /// first; 0 where it never does.
+    pub fn density<M: Mode>(&self, scene: &Scene<M>, place: u32, lamp: &Surface, dir: Vec3) -> f32 {
+        let Some(caster) = self.caster(place) else { return 0.0 };
+        caster.density(lamp.position, lamp.ng, dir, scene.stage.lights.surface_pdf(caster.center, lamp))
+    }
+
+    /// Radiance that comes from a direction beyond the scene, and the density with which [`shoot`](Self::shoot) sends it.
+    pub fn from_afar<M: Mode>(&self, scene: &Scene<M>, place: u32, toward: Vec3, waves: &M::Waves) -> (M::Light, f32) {
+        let (mut radiance, mut density) = (M::Light::ZERO, 0.0);
+        let caster = self.caster(place);
+        scene.escape(caster.map_or(Vec3::ZERO, |caster| caster.center), toward, waves, |light, pdf| {
+            radiance += light;
+            density += caster.map_or(0.0, |caster| caster.chance * pdf / (PI * caster.radius_m * caster.radius_m));
+        });
+        (radiance, density)
+    }
+
+    fn caster(&self, place: u32) -> Option<&Caster> {
+        self.of_place.get(place as usize).copied().flatten().map(|index| &self.casters[index as usize])
+    }
+}
+
+impl Caster {
+    /// Of rays that leave a lamp at a point, where its outward normal is `ng`, in a direction. `pdf`: of drawing the point,
+    /// per sr at the centre.
+    fn density(&self, lamp: Vec3, ng: Vec3, dir: Vec3, pdf: f32) -> f32 {
+        let to_center = self.center - lamp;
+        let distance_m = to_center.length();
+        let (cos, cos_at_center) = (dir.dot(ng), to_center.dot(ng) / distance_m);
+        // Only what shines towards both, and from outside.
+        if cos <= 0.0 || cos_at_center <= 0.0 {
+            return 0.0;
+        }
+        let Some(one_minus_cos) = visible_cap(distance_m, self.radius_m) else { return 0.0 };
+        self.chance * pdf * cos_at_center / (distance_m * distance_m) * cone_pdf(one_minus_cos) / cos
+    }
+}
