@@ -174,11 +174,13 @@ fn by_water_that_lamps_stand_in_and_over() {
     assert_found::<Rgb>(&scene, 6, 1.0);
 }
 
-/// Both lamps shine to one side only, and the ball reaches behind one of them.
+/// Both lamps shine to one side only; the ball reaches behind one of them, and the ball around the mirror holds both.
 #[test]
 fn by_a_ball_beside_one_sided_lamps() {
     let mut scene = corner();
     scene.sphere(Vec3::new(-0.2, 1.0, 0.3), 0.7, glass(1.5, 0.0));
+    let wall = Mat4::from_translation(Vec3::new(1.7, 1.0, 0.0)) * Mat4::from_rotation_z(FRAC_PI_2);
+    scene.geometry(wall, quad(1.8), metal(0.2, 3.0, 0.0));
     let down = Mat4::from_rotation_x(-FRAC_PI_2);
     for at in [Vec3::new(0.9, 2.6, 0.3), Vec3::new(-1.2, 1.3, 0.3)] {
         let kind = LightKind::Area { shape: AreaShape::Rectangle, presence: Presence::Solid };

@@ -15,8 +15,9 @@ use crate::math::{GOLDEN, Sampler};
 use crate::mode::Mode;
 use crate::scene::{Camera, Scene};
 
-/// Light paths of a round at most: large pictures have fewer than pixels, so that they can be kept.
-const MOST_LIGHT_PATHS: u32 = 1 << 21;
+/// Light paths of a round at most: large pictures have fewer than pixels, so that what they bring can be kept until it is added,
+/// in some 60 MB (200 MB of wavelengths).
+const MOST_LIGHT_PATHS: u32 = 1 << 20;
 /// Small pictures, or those that light paths bring little to, have up to 2^this times fewer.
 const FEWEST_LIGHT_PATHS_LOG2: u32 = 4;
 /// Light paths that are tried.

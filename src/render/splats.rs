@@ -13,7 +13,7 @@ use crate::mode::Mode;
 use crate::scene::Scene;
 
 /// Light paths that are followed at once, or a round of them where that is more.
-const AT_ONCE: u32 = 1 << 20;
+const AT_ONCE: u32 = 1 << 18;
 
 /// Rounds that are followed at once.
 pub fn rounds_at_once(throw: &Throw) -> u32 {

@@ -104,8 +104,7 @@ impl Aim {
             return (!radiance.is_black()).then_some(Shot { ray, interior: Interior::AIR, radiance, density, place });
         }
         let lamp = caster.center + light.wi * light.distance_m;
-        let dir =
-            Frame::new(-light.wi).to_world(square_to_cone([u_x, u_y], visible_cap(light.distance_m, caster.radius_m)?));
+        let dir = Frame::new(-light.wi).to_world(square_to_cone([u_x, u_y], caster.cone(light.distance_m)));
         let density = caster.density(lamp, light.ng, dir, light.pdf);
         let radiance = scene.arriving(&light.light, waves);
         if density <= 0.0 || radiance.is_black() {
@@ -140,17 +139,22 @@ impl Aim {
 }
 
 impl Caster {
+    /// 1 - cos of the half angle of the cone around the ball, seen from so far from its centre: all directions from inside.
+    fn cone(&self, distance_m: f32) -> f32 {
+        visible_cap(distance_m, self.radius_m).unwrap_or(2.0)
+    }
+
     /// Of rays that leave a lamp at a point, where its outward normal is `ng`, in a direction. `pdf`: of drawing the point,
     /// per sr at the centre.
     fn density(&self, lamp: Vec3, ng: Vec3, dir: Vec3, pdf: f32) -> f32 {
         let to_center = self.center - lamp;
         let distance_m = to_center.length();
         let (cos, cos_at_center) = (dir.dot(ng), to_center.dot(ng) / distance_m);
-        // Only what shines towards both, and from outside.
+        // Only what shines towards both.
         if cos <= 0.0 || cos_at_center <= 0.0 {
             return 0.0;
         }
-        let Some(one_minus_cos) = visible_cap(distance_m, self.radius_m) else { return 0.0 };
-        self.chance * pdf * cos_at_center / (distance_m * distance_m) * cone_pdf(one_minus_cos) / cos
+        let at_lamp = pdf * cos_at_center / (distance_m * distance_m);
+        self.chance * at_lamp * cone_pdf(self.cone(distance_m)) / cos
     }
 }
