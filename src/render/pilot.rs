@@ -26,7 +26,7 @@ const MOST_LIGHT_TRIALS: u32 = 1 << 13;
 const LIGHT_PATH_COST: f64 = 1.3;
 /// One group of so many is tried.
 const GROUPS_PER_TRIAL: u32 = 256;
-/// No picture needs more trials; with fewer, nothing is learned.
+/// No picture needs more trials; with fewer, only light paths are judged, which tell of themselves.
 const MOST_TRIALS: u32 = 64;
 const FEWEST_TRIALS: u32 = 16;
 /// Half the samples of a pixel: enough to see what stratification does without more draws.
@@ -56,7 +56,7 @@ pub fn tactics<M: Mode>(scene: &Scene<M>, camera: &Camera, plan: &Plan) -> Tacti
     let pixels = width.saturating_mul(height).max(1);
     let throw = if shares { Throw::new(scene, camera, pixels.min(MOST_LIGHT_PATHS)) } else { None };
     let groups = groups(camera.size);
-    if !shares || groups.len() < FEWEST_TRIALS as usize {
+    if !shares || groups.is_empty() {
         return Tactics { throw, ..tactics };
     }
 
@@ -67,26 +67,25 @@ pub fn tactics<M: Mode>(scene: &Scene<M>, camera: &Camera, plan: &Plan) -> Tacti
     let base = run(&tactics);
     let weights = weights(&base);
     let camera = Cost::of_trials(&base, &weights);
-    let (mut best, mut light) = (camera.product(), Cost::default());
+    let mut light = Cost::default();
 
     // Follow light paths where they find light sooner, and as many as serve best.
     if let Some(throw) = &mut tactics.throw {
         let [light_paths, finds] = Cost::of_light_paths(scene, plan, throw, (&groups, &weights), pixels);
-        best = camera.with(&finds).product() * WORTHWHILE;
-        light = finds;
-        let mut chosen = None;
-        for log2 in 0..=FEWEST_LIGHT_PATHS_LOG2 {
-            let fewer = light_paths.of_fewer(log2);
-            let product = camera.with(&fewer).product();
-            if product < best {
-                (best, light, chosen) = (product, fewer, Some(log2));
+        match camera.best_with(&light_paths, &finds) {
+            Some((log2, cost)) => {
+                throw.count = (throw.count >> log2).max(1);
+                light = cost;
             }
-        }
-        match chosen {
-            Some(log2) => throw.count = (throw.count >> log2).max(1),
             None => tactics.throw = None,
         }
     }
+    if groups.len() < FEWEST_TRIALS as usize {
+        return tactics;
+    }
+
+    // Draw as many lights, and share finds, as it pays.
+    let mut best = camera.with(&light).product();
     let cost = |tactics: &Tactics| Cost::of_trials(&run(tactics), &weights).with(&light).product();
     for draws_log2 in 1..=MOST_DRAWS_LOG2 {
         tactics.draws_log2 = draws_log2;
@@ -218,6 +217,15 @@ impl Cost {
         Self { absolute: self.absolute * times, relative: self.relative * times, work: self.work / times }
     }
 
+    /// By which power of two fewer `light_paths` serve best besides this, and what they cost; `None` where the `finds` of
+    /// camera paths in their place serve as well.
+    fn best_with(&self, light_paths: &Self, finds: &Self) -> Option<(u32, Self)> {
+        let fewer = (0..=FEWEST_LIGHT_PATHS_LOG2).map(|log2| (log2, light_paths.of_fewer(log2)));
+        let product = |light: &Self| self.with(light).product();
+        let best = fewer.min_by(|a, b| product(&a.1).total_cmp(&product(&b.1)));
+        best.filter(|(_, light)| product(light) < product(finds) * WORTHWHILE)
+    }
+
     /// Of both together.
     fn with(&self, other: &Self) -> Self {
         Self {
@@ -262,6 +270,19 @@ mod tests {
                 seen[(4 * y / height) as usize][(4 * x / width) as usize] = true;
             }
             assert_eq!(seen, [[true; 4]; 4], "{width}x{height}");
+        }
+    }
+
+    #[test]
+    fn light_paths_are_followed_where_they_pay_and_as_many_as_do() {
+        let cost = |variance: f64, work: f64| Cost { absolute: variance, relative: variance, work };
+        let (camera, useless) = (cost(1.0, 1000.0), cost(0.0, 300.0));
+        assert!(camera.best_with(&useless, &cost(1e-3, 0.0)).is_none());
+        // Rare finds are not to be had by luck.
+        let rare = cost(1e3, 0.0);
+        for (variance, fewer) in [(1.0, 0), (0.3, 0), (0.05, 1), (0.01, 2), (1e-6, FEWEST_LIGHT_PATHS_LOG2)] {
+            let best = camera.best_with(&cost(variance, 300.0), &rare).map(|(log2, _)| log2);
+            assert_eq!(best, Some(fewer), "{variance}");
         }
     }
 
