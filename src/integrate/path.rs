@@ -303,11 +303,11 @@ impl<M: Mode> Path<M> {
             Pdf::Delta => {
                 self.scattered = None;
                 // Light paths do not see first surfaces that mirror.
-                self.reversible &= self.bounce > 0 && !vertex.bent;
+                self.reversible &= self.bounce > 0 && vertex.is_reversible();
                 self.thrower = vertex.throws(wi).then_some(vertex.surface.place.number);
             }
             Pdf::SolidAngle(pdf) => {
-                self.reversible &= self.bounce == 0 || vertex.is_reversible() && !vertex.bent;
+                self.reversible &= self.bounce == 0 || vertex.is_reversible();
                 self.thrower = None;
                 let draws = (1 << self.draws_log2(tactics)) as f32;
                 self.scattered = Some((vertex.surface.position, pdf / draws));

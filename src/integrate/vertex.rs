@@ -69,7 +69,7 @@ impl<'s, M: Mode> Vertex<'s, M> {
     /// True where light may be followed in either direction by the same rules.
     #[inline]
     pub fn is_reversible(&self) -> bool {
-        self.bsdf.is_delta() || matches!(self.bsdf, Bsdf::Diffuse(_) | Bsdf::CoatedDiffuse(_))
+        !self.bent && (self.bsdf.is_delta() || matches!(self.bsdf, Bsdf::Diffuse(_) | Bsdf::CoatedDiffuse(_)))
     }
 
     /// True for a smooth mirror or lens that light from `toward` meets from outside.
