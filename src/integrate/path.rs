@@ -24,7 +24,8 @@ const WORTH_TWO: f32 = 3e-3;
 /// such paths off to keep their noise out, and it would come back. A tenth as much gains bubbles 1.4 and costs wine 0.8 of
 /// the efficiency.
 const SURE_SHARP: f32 = 0.1;
-/// Lamps along one ray of which light paths find the light, too: those behind the first shine through it.
+/// Lamps along one ray, those behind the first shining through it, whose light others weigh for themselves; of more they take
+/// what the finder's own surface makes of it.
 const MOST_THROWN: usize = 3;
 /// Bounces before Russian roulette begins.
 pub(super) const SURE_BOUNCES: u32 = 3;
@@ -198,8 +199,11 @@ impl<M: Mode> Path<M> {
     #[inline]
     fn run_into(&mut self, light: M::Light, density: f32) {
         let light = self.throughput * light;
-        if density > 0.0 && !self.thrown.is_full() {
-            self.thrown.push(Thrown { light, density });
+        if density > 0.0 {
+            let thrown = Thrown { light, density };
+            if self.thrown.try_push(thrown).is_err() {
+                self.radiance += thrown.weighed(self.footprint);
+            }
             return;
         }
         let sum = if self.bounce == self.apart_at { &mut self.apart } else { &mut self.radiance };
