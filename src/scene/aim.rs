@@ -101,7 +101,8 @@ impl Aim {
                 caster.center + Frame::new(light.wi).to_world(square_to_disk([u_x, u_y]).extend(0.0)) * caster.radius_m;
             let (low, high) = scene.stage.bounds;
             let ray = Ray::new(aim + light.wi * low.distance(high), -light.wi);
-            return (!radiance.is_black()).then_some(Shot { ray, interior: Interior::AIR, radiance, density, place });
+            let counts = density > 0.0 && !radiance.is_black();
+            return counts.then_some(Shot { ray, interior: Interior::AIR, radiance, density, place });
         }
         let lamp = caster.center + light.wi * light.distance_m;
         let dir = Frame::new(-light.wi).to_world(square_to_cone([u_x, u_y], caster.cone(light.distance_m)));
