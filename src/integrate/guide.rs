@@ -37,7 +37,7 @@ const WORTHWHILE: f32 = 0.05;
 const NEIGHBOUR: usize = 3;
 
 /// The photons of a scene, sorted by where they landed.
-pub struct Guide {
+pub(super) struct Guide {
     nodes: Vec<Node>,
     /// `None` where asking is not worth it.
     leaves: Vec<Option<Leaf>>,

@@ -12,7 +12,6 @@ mod throw;
 mod vertex;
 
 pub use direct::MOST_DRAWS_LOG2;
-pub use guide::Guide;
 pub use path::Path;
 pub use seen::seen_light;
 pub use share::{GROUP, radiances};

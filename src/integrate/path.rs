@@ -6,14 +6,14 @@ use glam::Vec3;
 use super::direct::{Direct, Draw, direct_light};
 use super::guide::Leaf;
 use super::post::Kept;
-use super::throw::{Throw, Thrown};
+use super::throw::Thrown;
 use super::vertex::Vertex;
 use super::{PathLimits, Strategy, Tactics, Tally, mis_weight};
 use crate::bsdf::{Bsdf, BsdfSample, Pdf};
 use crate::embree::Ray;
 use crate::math::Sampler;
 use crate::mode::{Lanes, Mode};
-use crate::scene::{Interior, Material, Scene, Surface};
+use crate::scene::{Aim, Interior, Material, Scene, Surface};
 
 /// Surfaces that one path may pass straight through.
 const MAX_THROUGH: u32 = 256;
@@ -65,9 +65,9 @@ pub struct Path<M: Mode> {
     blind: bool,
     /// True while all that has turned the path is smooth: one sees sharply what it comes to.
     sharp: bool,
-    /// Of the first surface ([`Throw::footprint`]).
+    /// Of the first surface ([`Throw::footprint`](super::Throw::footprint)).
     pub(super) footprint: f32,
-    /// True while light may have come all the way by light paths ([`Throw`]).
+    /// True while light may have come all the way by light paths ([`Throw`](super::Throw)).
     reversible: bool,
     /// The place of the smooth mirror or lens that sent the path on, if that was the last to turn it.
     thrower: Option<u32>,
@@ -139,7 +139,7 @@ impl<M: Mode> Path<M> {
                 sky += light * hit_weight(scattered.map(|(_, pdf)| (pdf, light_pdf)), limits);
             });
             let toward = self.ray.dir;
-            let density = |throw: &Throw, place| throw.density_from_afar(scene, place, toward, &self.waves);
+            let density = |aim: &Aim, place| aim.from_afar(scene, place, toward, &self.waves).1;
             let density = self.thrown_density(tactics, density);
             self.run_into(sky, density);
             return Arrival::End;
@@ -156,8 +156,7 @@ impl<M: Mode> Path<M> {
                 let lights = &scene.stage.lights;
                 let densities = self.scattered.map(|(from, pdf)| (pdf, lights.surface_pdf(from, &surface)));
                 let toward = -self.ray.dir;
-                let density =
-                    self.thrown_density(tactics, |throw, place| throw.density(scene, place, &surface, toward));
+                let density = self.thrown_density(tactics, |aim, place| aim.density(scene, place, &surface, toward));
                 self.run_into(light * hit_weight(densities, limits), density);
             }
         }
@@ -188,9 +187,9 @@ impl<M: Mode> Path<M> {
     /// The density of light paths that bring what lies at the end of the ray, if there are any, by that of those which come to
     /// the place that threw it.
     #[inline]
-    fn thrown_density(&self, tactics: &Tactics, density: impl FnOnce(&Throw, u32) -> f32) -> f32 {
+    fn thrown_density(&self, tactics: &Tactics, density: impl FnOnce(&Aim, u32) -> f32) -> f32 {
         match (&tactics.throw, self.thrower) {
-            (Some(throw), Some(place)) if self.reversible => density(throw, place),
+            (Some(throw), Some(place)) if self.reversible => density(&throw.aim, place),
             _ => 0.0,
         }
     }
@@ -210,9 +209,10 @@ impl<M: Mode> Path<M> {
         *sum += light;
     }
 
-    /// Light that the path has found, seen from its own first surface.
-    pub(super) fn found(&self) -> M::Light {
-        self.thrown.iter().fold(self.radiance, |sum, thrown| sum + thrown.weighed(self.footprint))
+    /// Light that the path has found, for whom sees it from a first surface with this footprint.
+    #[inline]
+    pub(super) fn found(&self, footprint: f32) -> M::Light {
+        self.thrown.iter().fold(self.radiance, |sum, thrown| sum + thrown.weighed(footprint))
     }
 
     /// The surface that the path is at, ready to scatter.
@@ -231,7 +231,7 @@ impl<M: Mode> Path<M> {
                 self.footprint = throw.footprint(&vertex);
             }
             if !self.reversible || self.footprint == 0.0 {
-                vertex.consult(throw.guide());
+                vertex.consult(throw.guide.as_ref());
             }
         }
         self.u_light = self.sampler.next_4d();

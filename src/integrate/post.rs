@@ -154,7 +154,7 @@ impl<'s, M: Mode> Post<'s, M> {
 
     /// Light that the path does not share.
     pub fn own(&self, path: &Path<M>) -> M::Light {
-        if self.y.is_some() { self.radiance } else { path.found() }
+        if self.y.is_some() { self.radiance } else { path.found(path.footprint) }
     }
 }
 
@@ -251,7 +251,7 @@ pub(super) fn hand_out<M: Mode>(
     let apart = if finders_turn > 0.0 { path.apart * (share / finders_turn) } else { M::Light::ZERO };
     for k in (0..GROUP).filter(visible) {
         // What lies behind a matte y, or behind a glossy one.
-        let behind = path.thrown.iter().fold(path.radiance, |sum, t| sum + t.weighed(posts[k].footprint));
+        let behind = path.found(posts[k].footprint);
         gathered[k] += match turn {
             None => seen[k] * behind * share,
             Some(_) => seen[k] * share + onward[k] * (apart + behind * onward_share),

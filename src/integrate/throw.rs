@@ -34,10 +34,10 @@ const SALT: u32 = 0x6c_69_67_68;
 
 /// The light paths of a picture.
 pub struct Throw {
-    aim: Aim,
+    pub(super) aim: Aim,
     camera: Camera,
     /// Where to look for what is not seen from the camera.
-    guide: Option<Guide>,
+    pub(super) guide: Option<Guide>,
     /// Paths in a round; each round adds to one sample of every pixel.
     pub count: u32,
 }
@@ -78,10 +78,6 @@ impl Throw {
         Some(Self { aim, camera: camera.clone(), guide, count })
     }
 
-    pub(super) fn guide(&self) -> Option<&Guide> {
-        self.guide.as_ref()
-    }
-
     /// What the density of light paths at a surface is to be multiplied with to be compared with the density of camera paths that
     /// see it first and are scattered there: 0 where light paths add nothing.
     pub(super) fn footprint<M: Mode>(&self, vertex: &Vertex<M>) -> f32 {
@@ -91,22 +87,6 @@ impl Throw {
         };
         let cos = seen.toward.dot(vertex.surface.ng).abs();
         self.count as f32 * PI * seen.pixel_m2 / cos.max(1e-6)
-    }
-
-    /// Density of light paths from a point of a lamp in a direction, to this place; per m2 across them and sr.
-    pub(super) fn density<M: Mode>(&self, scene: &Scene<M>, place: u32, lamp: &Surface, dir: Vec3) -> f32 {
-        self.aim.density(scene, place, lamp, dir)
-    }
-
-    /// The same from beyond the scene.
-    pub(super) fn density_from_afar<M: Mode>(
-        &self,
-        scene: &Scene<M>,
-        place: u32,
-        toward: Vec3,
-        waves: &M::Waves,
-    ) -> f32 {
-        self.aim.from_afar(scene, place, toward, waves).1
     }
 
     /// Follows up to [`BATCH`] light paths of a round, by their numbers, and tells `land` what they bring.

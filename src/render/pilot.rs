@@ -18,7 +18,7 @@ use crate::scene::{Camera, Scene};
 /// Light paths of a round at most: large pictures have fewer than pixels, so that what they bring can be kept until it is added,
 /// in some 60 MB (200 MB of wavelengths).
 const MOST_LIGHT_PATHS: u32 = 1 << 20;
-/// Small pictures, or those that light paths bring little to, have up to 2^this times fewer.
+/// Pictures that light paths bring little to have up to 2^this times fewer.
 const FEWEST_LIGHT_PATHS_LOG2: u32 = 4;
 /// Light paths that are tried.
 const MOST_LIGHT_TRIALS: u32 = 1 << 13;
