@@ -216,7 +216,7 @@ fn shots_have_the_density_that_their_lamps_are_asked_for() {
             Some(lamp) => {
                 near += 1;
                 let cos = shot.ray.dir.dot(lamp.ng);
-                (scene.emitted(&lamp, cos, &waves), aim.density(&scene, shot.place, &lamp, shot.ray.dir))
+                (scene.emitted(&lamp, cos, &waves), aim.density(&scene, shot.place, &lamp.lamp(), shot.ray.dir))
             }
             None => {
                 far += 1;
@@ -227,4 +227,28 @@ fn shots_have_the_density_that_their_lamps_are_asked_for() {
         assert!((density / shot.density - 1.0).abs() < 2e-3, "{density} for {}", shot.density);
     }
     assert!(near > 200 && far > 200, "{near} {far}");
+}
+
+/// Camera paths draw the lamp at each rough surface, too.
+#[test]
+fn by_frosted_glass_and_nearly_smooth_metal() {
+    let mut scene = corner();
+    scene.sphere(Vec3::new(-0.5, 0.6, 0.3), 0.5, glass(1.5, 0.1));
+    scene.sphere(Vec3::new(0.8, 0.5, 0.0), 0.5, metal(0.2, 3.0, 0.03));
+    lamp(&mut scene, 0.2);
+    assert_found::<Rgb>(&scene, 6, 1.5);
+}
+
+/// One after the other, with smooth ones between, in absorbing bodies and under a sky with a sun in it.
+#[test]
+fn by_rough_lenses_in_a_row_under_a_sun() {
+    let mut scene = corner();
+    scene.sphere(Vec3::new(-0.6, 1.3, 0.4), 0.4, absorbing(glass(1.5, 0.03), 0.5, None));
+    scene.sphere(Vec3::new(-0.5, 0.5, 0.3), 0.35, coated(glass(1.3, 0.3), 1.6, 300.0));
+    scene.sphere(Vec3::new(0.6, 0.5, 0.3), 0.45, glass(1.5, 0.0));
+    scene.geometry(Mat4::from_translation(Vec3::new(0.8, 1.4, 0.0)), faceted(0.4), glass(1.4, 0.15));
+    let slanting = Mat4::from_rotation_y(0.2) * Mat4::from_rotation_x(-1.2);
+    scene.light(slanting, LightKind::Directional { angle_deg: 12.0 }, Vec3::splat(2.0));
+    scene.sky(0.2);
+    assert_found::<Spectral<4>>(&scene, 8, 1.0);
 }

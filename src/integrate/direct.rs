@@ -2,18 +2,19 @@
 
 use glam::Vec3;
 
+use super::throw::{Find, Throw, Thrower};
 use super::vertex::Vertex;
 use super::{Strategy, Tally, mis_weight};
 use crate::embree::Ray;
 use crate::mode::{Lanes, Mode};
-use crate::scene::Scene;
+use crate::scene::{LampPoint, Scene};
 
 /// A surface draws no more than 2^this sources of light at once.
 pub const MOST_DRAWS_LOG2: u32 = 2;
 
 /// Light from one drawn source, scattered towards the viewer.
 pub(super) struct Direct<L> {
-    pub light: L,
+    pub find: Find<L>,
     /// Where it comes from, in the frame of the vertex, and what arrives from there before it is scattered.
     pub wi: Vec3,
     pub arriving: L,
@@ -22,16 +23,19 @@ pub(super) struct Direct<L> {
 }
 
 impl<L: Lanes> Direct<L> {
-    pub const NONE: Self = Self { light: L::ZERO, wi: Vec3::Z, arriving: L::ZERO, shadow: None };
+    pub const NONE: Self =
+        Self { find: Find { light: L::ZERO, density: 0.0 }, wi: Vec3::Z, arriving: L::ZERO, shadow: None };
 }
 
 /// How a source is drawn.
-pub(super) struct Draw {
+pub(super) struct Draw<'t> {
     pub strategy: Strategy,
     /// The light is that of one draw of so many.
     pub of: u32,
     /// True where others look at the vertex too: they may see what its own path does not.
     pub others_look: bool,
+    /// Light paths that may come to the vertex, too.
+    pub throw: Option<&'t Throw>,
 }
 
 /// Draws a source, and leaves it to the caller to trace the shadow ray where no surface lets light through.
@@ -44,8 +48,9 @@ pub(super) fn direct_light<M: Mode>(
     waves: &M::Waves,
     tally: &mut Tally,
 ) -> Direct<M::Light> {
-    let Some(sample) = scene.stage.lights.sample(vertex.surface.position, u) else { return Direct::NONE };
-    let Draw { strategy, of, others_look } = draw;
+    let at = vertex.surface.position;
+    let Some((emitter, sample)) = scene.stage.lights.sample(at, u) else { return Direct::NONE };
+    let Draw { strategy, of, others_look, throw } = draw;
     if strategy == Strategy::Bsdf && !sample.alone {
         return Direct::NONE;
     }
@@ -65,7 +70,7 @@ pub(super) fn direct_light<M: Mode>(
     // Look at what stands between, where it may let some light pass.
     let origin = vertex.surface.leave(sample.wi);
     let shadow = match sample.distance_m.is_finite() {
-        true => Ray::between(origin, vertex.surface.position + sample.wi * sample.distance_m),
+        true => Ray::between(origin, at + sample.wi * sample.distance_m),
         false => Ray::new(origin, sample.wi),
     };
     let interior = if wi.z * vertex.wo.z > 0.0 { &vertex.interior } else { &vertex.beyond };
@@ -86,5 +91,18 @@ pub(super) fn direct_light<M: Mode>(
     let pdf = sample.pdf * of as f32;
     let weight = if alone { 1.0 } else { mis_weight(pdf, scatter_pdf * chance) };
     let arriving = arriving * passed * (weight / pdf);
-    Direct { light: value * arriving, wi, arriving, shadow: (!scene.lets_through()).then_some(shadow) }
+    let density = match throw.filter(|_| !sample.alone && vertex.throws(sample.wi)) {
+        Some(throw) => {
+            let lamp = sample.distance_m.is_finite().then(|| LampPoint {
+                emitter,
+                position: at + sample.wi * sample.distance_m,
+                ng: sample.ng,
+            });
+            let thrower = Thrower { place: vertex.surface.place.number, at, pdf: scatter_pdf };
+            throw.density(scene, &thrower, lamp.as_ref(), sample.wi, waves)
+        }
+        None => 0.0,
+    };
+    let find = Find { light: value * arriving, density };
+    Direct { find, wi, arriving, shadow: (!scene.lets_through()).then_some(shadow) }
 }

@@ -6,14 +6,14 @@ use glam::Vec3;
 use super::direct::{Direct, Draw, direct_light};
 use super::guide::Leaf;
 use super::post::Kept;
-use super::throw::Thrown;
+use super::throw::{Find, MOST_ROUGH, Thrower};
 use super::vertex::Vertex;
 use super::{PathLimits, Strategy, Tactics, Tally, mis_weight};
 use crate::bsdf::{Bsdf, BsdfSample, Pdf};
 use crate::embree::Ray;
 use crate::math::Sampler;
 use crate::mode::{Lanes, Mode};
-use crate::scene::{Aim, Interior, Material, Scene, Surface};
+use crate::scene::{Interior, LampPoint, Material, Scene, Surface};
 
 /// Surfaces that one path may pass straight through.
 const MAX_THROUGH: u32 = 256;
@@ -24,9 +24,9 @@ const WORTH_TWO: f32 = 3e-3;
 /// such paths off to keep their noise out, and it would come back. A tenth as much gains bubbles 1.4 and costs wine 0.8 of
 /// the efficiency.
 const SURE_SHARP: f32 = 0.1;
-/// Lamps along one ray, those behind the first shining through it, whose light others weigh for themselves; of more they take
-/// what the finder's own surface makes of it.
-const MOST_THROWN: usize = 3;
+/// Finds whose light others weigh for themselves: one at each thrower, and lamps along one ray, those behind the first shining
+/// through it. Of more they take what the finder's own surface makes of it.
+const MOST_THROWN: usize = MOST_ROUGH as usize + 3;
 /// Bounces before Russian roulette begins.
 pub(super) const SURE_BOUNCES: u32 = 3;
 
@@ -69,11 +69,13 @@ pub struct Path<M: Mode> {
     pub(super) footprint: f32,
     /// True while light may have come all the way by light paths ([`Throw`](super::Throw)).
     reversible: bool,
-    /// The place of the smooth mirror or lens that sent the path on, if that was the last to turn it.
-    thrower: Option<u32>,
+    /// The mirror or lens that sent the path on, if that was the last to turn it.
+    thrower: Option<Thrower>,
+    /// Those that have sent it on and were not smooth.
+    rough_throwers: u32,
     /// Light that light paths find, too: how much of it counts depends on the footprint of the first surface, and others may
     /// look at what this path finds from theirs.
-    pub(super) thrown: ArrayVec<Thrown<M::Light>, MOST_THROWN>,
+    pub(super) thrown: ArrayVec<Find<M::Light>, MOST_THROWN>,
 }
 
 /// What a path comes to at the end of its ray.
@@ -110,6 +112,7 @@ impl<M: Mode> Path<M> {
             footprint: 0.0,
             reversible: true,
             thrower: None,
+            rough_throwers: 0,
             thrown: ArrayVec::new(),
         }
     }
@@ -138,9 +141,7 @@ impl<M: Mode> Path<M> {
             scene.escape(from, self.ray.dir, &self.waves, |light, light_pdf| {
                 sky += light * hit_weight(scattered.map(|(_, pdf)| (pdf, light_pdf)), limits);
             });
-            let toward = self.ray.dir;
-            let density = |aim: &Aim, place| aim.from_afar(scene, place, toward, &self.waves).1;
-            let density = self.thrown_density(tactics, density);
+            let density = self.thrown_density(scene, tactics, None);
             self.run_into(sky, density);
             return Arrival::End;
         };
@@ -153,10 +154,9 @@ impl<M: Mode> Path<M> {
         if surface.emitter != u32::MAX && !blind {
             let light = scene.emitted(&surface, -self.ray.dir.dot(surface.ng), &self.waves);
             if !light.is_black() {
-                let lights = &scene.stage.lights;
-                let densities = self.scattered.map(|(from, pdf)| (pdf, lights.surface_pdf(from, &surface)));
-                let toward = -self.ray.dir;
-                let density = self.thrown_density(tactics, |aim, place| aim.density(scene, place, &surface, toward));
+                let (lights, lamp) = (&scene.stage.lights, surface.lamp());
+                let densities = self.scattered.map(|(from, pdf)| (pdf, lights.surface_pdf(from, &lamp)));
+                let density = self.thrown_density(scene, tactics, Some(&lamp));
                 self.run_into(light * hit_weight(densities, limits), density);
             }
         }
@@ -184,35 +184,42 @@ impl<M: Mode> Path<M> {
         Arrival::Through
     }
 
-    /// The density of light paths that bring what lies at the end of the ray, if there are any, by that of those which come to
-    /// the place that threw it.
+    /// [`Find::density`] of what lies at the end of the ray: a lamp, or what is beyond the scene.
     #[inline]
-    fn thrown_density(&self, tactics: &Tactics, density: impl FnOnce(&Aim, u32) -> f32) -> f32 {
-        match (&tactics.throw, self.thrower) {
-            (Some(throw), Some(place)) if self.reversible => density(&throw.aim, place),
+    fn thrown_density(&self, scene: &Scene<M>, tactics: &Tactics, lamp: Option<&LampPoint>) -> f32 {
+        match (&tactics.throw, &self.thrower) {
+            (Some(throw), Some(thrower)) if self.reversible => {
+                throw.density(scene, thrower, lamp, self.ray.dir, &self.waves)
+            }
             _ => 0.0,
         }
     }
 
-    /// Adds light that lies at the end of the ray; `density` is that of light paths that bring it.
+    /// Adds light that lies at the end of the ray.
     #[inline]
     fn run_into(&mut self, light: M::Light, density: f32) {
         let light = self.throughput * light;
-        if density > 0.0 {
-            let thrown = Thrown { light, density };
-            if self.thrown.try_push(thrown).is_err() {
-                self.radiance += thrown.weighed(self.footprint);
-            }
-            return;
+        if self.bounce == self.apart_at {
+            self.apart += light;
+        } else {
+            self.add(Find { light, density });
         }
-        let sum = if self.bounce == self.apart_at { &mut self.apart } else { &mut self.radiance };
-        *sum += light;
+    }
+
+    /// Adds light that the path has found.
+    #[inline]
+    pub(super) fn add(&mut self, find: Find<M::Light>) {
+        if find.density == 0.0 {
+            self.radiance += find.light;
+        } else if self.thrown.try_push(find).is_err() {
+            self.radiance += find.weighed(self.footprint);
+        }
     }
 
     /// Light that the path has found, for whom sees it from a first surface with this footprint.
     #[inline]
     pub(super) fn found(&self, footprint: f32) -> M::Light {
-        self.thrown.iter().fold(self.radiance, |sum, thrown| sum + thrown.weighed(footprint))
+        self.thrown.iter().fold(self.radiance, |sum, find| sum + find.weighed(footprint))
     }
 
     /// The surface that the path is at, ready to scatter.
@@ -261,9 +268,14 @@ impl<M: Mode> Path<M> {
         let draws_log2 = self.draws_log2(tactics);
         let [x, y, u_light, _] =
             if draws_log2 == 0 { self.u_light } else { self.sampler.part(draws_log2, draw).next_4d() };
-        let draw = Draw { strategy: tactics.limits.strategy, of: 1 << draws_log2, others_look: kept == Kept::Glossy };
+        let draw = Draw {
+            strategy: tactics.limits.strategy,
+            of: 1 << draws_log2,
+            others_look: kept == Kept::Glossy,
+            throw: tactics.throw.as_ref().filter(|_| self.is_thrown_by(vertex)),
+        };
         let mut direct = direct_light(scene, vertex, draw, [u_light, x, y], &self.waves, tally);
-        direct.light = self.throughput * direct.light;
+        direct.find.light = self.throughput * direct.find.light;
         direct
     }
 
@@ -306,13 +318,10 @@ impl<M: Mode> Path<M> {
             Pdf::Through(_) => return false,
             Pdf::Delta => {
                 self.scattered = None;
-                // Light paths do not see first surfaces that mirror.
-                self.reversible &= self.bounce > 0 && vertex.is_reversible();
-                self.thrower = vertex.throws(wi).then_some(vertex.surface.place.number);
+                self.be_thrown(vertex, wi, f32::INFINITY);
             }
             Pdf::SolidAngle(pdf) => {
-                self.reversible &= self.bounce == 0 || vertex.is_reversible();
-                self.thrower = None;
+                self.be_thrown(vertex, wi, pdf);
                 let draws = (1 << self.draws_log2(tactics)) as f32;
                 self.scattered = Some((vertex.surface.position, pdf / draws));
                 self.sharp = false;
@@ -331,6 +340,29 @@ impl<M: Mode> Path<M> {
             self.throughput = self.throughput * (1.0 / survival);
         }
         true
+    }
+
+    /// Notes what sends the path on to `wi` (world space), with this density: infinite where that is the only direction.
+    #[inline]
+    fn be_thrown(&mut self, vertex: &Vertex<M>, wi: Vec3, pdf: f32) {
+        if self.bounce == 0 {
+            // Light paths bring nothing to first surfaces that are not matte; but others may look from one that is.
+            self.reversible = pdf.is_finite();
+            return;
+        }
+        self.reversible &= vertex.is_reversible();
+        if vertex.is_thrower() && pdf.is_finite() {
+            self.rough_throwers += 1;
+            self.reversible &= self.rough_throwers <= MOST_ROUGH;
+        }
+        let (place, at) = (vertex.surface.place.number, vertex.surface.position);
+        self.thrower = vertex.throws(wi).then_some(Thrower { place, at, pdf });
+    }
+
+    /// True where light paths may come to a vertex and on the whole way back, or to where others look from.
+    #[inline]
+    fn is_thrown_by(&self, vertex: &Vertex<M>) -> bool {
+        self.bounce > 0 && self.reversible && vertex.is_reversible() && self.rough_throwers < MOST_ROUGH
     }
 
     /// The share of what the pixel sees that the path is expected to bring.

@@ -107,7 +107,7 @@ fn throws<M: Mode>(vertex: &Vertex<M>) -> bool {
 /// W/m2 from a lamp, if nothing stands in between.
 fn direct<M: Mode>(scene: &Scene<M>, vertex: &Vertex<M>, sampler: &mut Sampler, waves: &M::Waves) -> f32 {
     let [u_light, u_light_x, u_light_y, _] = sampler.next_4d();
-    scene.stage.lights.sample(vertex.surface.position, [u_light, u_light_x, u_light_y]).map_or(0.0, |light| {
+    scene.stage.lights.sample(vertex.surface.position, [u_light, u_light_x, u_light_y]).map_or(0.0, |(_, light)| {
         let Some(wi) = vertex.local(light.wi) else { return 0.0 };
         scene.arriving(&light.light, waves).mean() * wi.z.abs() / light.pdf
     })

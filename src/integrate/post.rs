@@ -19,6 +19,7 @@ use super::Tally;
 use super::direct::Direct;
 use super::path::{Path, SURE_BOUNCES};
 use super::share::GROUP;
+use super::throw::Find;
 use super::vertex::Vertex;
 use crate::bsdf::Bsdf;
 use crate::embree::Ray;
@@ -121,19 +122,19 @@ impl<'s, M: Mode> Post<'s, M> {
 
     /// Of a light that was drawn at the path's vertex, what is to be added to the post if nothing stands in between.
     #[inline]
-    pub fn incoming(&mut self, direct: &Direct<M::Light>) -> M::Light {
+    pub fn incoming(&mut self, direct: &Direct<M::Light>) -> Find<M::Light> {
         if !self.turning {
-            return direct.light;
+            return direct.find;
         }
         self.turn = Some(Turn { toward: direct.wi, arriving: M::Light::ZERO, onward: Vec3::Z });
-        direct.arriving
+        Find { light: direct.arriving, density: 0.0 }
     }
 
     #[inline]
-    pub fn add(&mut self, light: M::Light, path: &mut Path<M>) {
+    pub fn add(&mut self, find: Find<M::Light>, path: &mut Path<M>) {
         match &mut self.turn {
-            Some(turn) if self.turning => turn.arriving = light,
-            _ => path.radiance += light,
+            Some(turn) if self.turning => turn.arriving = find.light,
+            _ => path.add(find),
         }
     }
 

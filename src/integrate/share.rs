@@ -8,6 +8,7 @@ use arrayvec::ArrayVec;
 use super::direct::MOST_DRAWS_LOG2;
 use super::path::{Arrival, Path};
 use super::post::{Post, hand_out};
+use super::throw::Find;
 use super::{Tactics, Tally};
 use crate::embree::{BATCH, Ray};
 use crate::mode::{Lanes, Mode};
@@ -24,7 +25,7 @@ const MIRRORED: usize = 16 * GROUP;
 /// Light that counts unless something stands in its way, of each draw and path.
 struct Doubts<L> {
     shadows: [[Ray; GROUP]; DRAWS],
-    lights: [[L; GROUP]; DRAWS],
+    finds: [[Find<L>; GROUP]; DRAWS],
     /// Of each draw, the paths that have such light.
     lanes: [u8; DRAWS],
 }
@@ -85,8 +86,9 @@ fn walk<'s, M: Mode>(
     mirrored: &mut Mirrored<M>,
     tally: &mut Tally,
 ) {
-    let (shadows, lights) = ([[Ray::NONE; GROUP]; DRAWS], [[M::Light::ZERO; GROUP]; DRAWS]);
-    let mut doubts = Doubts { shadows, lights, lanes: [0; DRAWS] };
+    let nothing = Find { light: M::Light::ZERO, density: 0.0 };
+    let (shadows, finds) = ([[Ray::NONE; GROUP]; DRAWS], [[nothing; GROUP]; DRAWS]);
+    let mut doubts = Doubts { shadows, finds, lanes: [0; DRAWS] };
     let mut rays = [Ray::NONE; GROUP];
     let mut active = 0u8;
     for (i, path) in paths.iter().enumerate() {
@@ -115,12 +117,12 @@ fn walk<'s, M: Mode>(
                         match direct.shadow {
                             Some(shadow) => {
                                 let draw = draw as usize;
-                                (doubts.shadows[draw][i], doubts.lights[draw][i]) = (shadow, post.incoming(&direct));
+                                (doubts.shadows[draw][i], doubts.finds[draw][i]) = (shadow, post.incoming(&direct));
                                 doubts.lanes[draw] |= 1 << i;
                             }
                             None => {
-                                let light = post.incoming(&direct);
-                                post.add(light, path);
+                                let find = post.incoming(&direct);
+                                post.add(find, path);
                             }
                         }
                     }
@@ -141,7 +143,7 @@ fn walk<'s, M: Mode>(
             let hidden = scene.stage.occluded_batch(&doubts.shadows[draw], lanes);
             for (i, (path, post)) in paths.iter_mut().zip(&mut *posts).enumerate() {
                 if (lanes & !hidden) >> i & 1 == 1 {
-                    post.add(doubts.lights[draw][i], path);
+                    post.add(doubts.finds[draw][i], path);
                 }
             }
         }

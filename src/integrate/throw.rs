@@ -22,10 +22,13 @@ use crate::bsdf::{Bsdf, Pdf};
 use crate::embree::{BATCH, Ray};
 use crate::math::Sampler;
 use crate::mode::{Lanes, Mode};
-use crate::scene::{Aim, Camera, Interior, Scene, Shot, Surface, View};
+use crate::scene::{Aim, Camera, Interior, LampPoint, Scene, Shot, Surface, View};
 
 /// Surfaces that a light path may meet.
 const MAX_SURFACES: u32 = 64;
+/// Mirrors and lenses that are not smooth which a light path may be sent on by: camera paths draw a lamp at each, and keep apart
+/// what they find.
+pub(super) const MOST_ROUGH: u32 = 6;
 /// Photons are a small part of a picture's rays.
 const PATHS_PER_PHOTON: u32 = 2;
 const MAX_PHOTONS: u32 = 1 << 18;
@@ -54,15 +57,42 @@ pub struct Landing<M: Mode> {
     pub u: [f32; 2],
 }
 
-/// Light that a camera path found which light paths find, too.
+/// Light that a camera path found.
 #[derive(Clone, Copy)]
-pub(super) struct Thrown<L> {
+pub(super) struct Find<L> {
     pub light: L,
-    /// Of light paths that leave the lamp in this way, per m2 across them and sr.
+    /// Of light paths that bring it, too, where they leave the lamp: per m2 across them and sr, over how many times as likely
+    /// camera paths were to find it in one of their ways as by running into the lamp. 0 where none do.
     pub density: f32,
 }
 
-impl<L: Lanes> Thrown<L> {
+/// The last surface before a lamp.
+#[derive(Clone, Copy)]
+pub(super) struct Thrower {
+    /// [`Place::number`](crate::scene::Place::number).
+    pub place: u32,
+    pub at: Vec3,
+    /// Density with which camera paths are scattered towards the lamp; infinite where it is smooth.
+    pub pdf: f32,
+}
+
+impl Thrower {
+    /// Of light that comes from a lamp (none: from beyond the scene) in direction `toward`, the share that camera paths are to
+    /// find by running into it, as against drawing it.
+    fn share_of_hits<M: Mode>(&self, scene: &Scene<M>, lamp: Option<&LampPoint>, toward: Vec3) -> f32 {
+        if self.pdf.is_infinite() {
+            return 1.0;
+        }
+        let lights = &scene.stage.lights;
+        let drawn = match lamp {
+            Some(lamp) => lights.surface_pdf(self.at, lamp),
+            None => lights.distant_pdf(self.at, toward),
+        };
+        if self.pdf > 0.0 { self.pdf / (self.pdf + drawn) } else { 0.0 }
+    }
+}
+
+impl<L: Lanes> Find<L> {
     /// What counts of it where the path's first surface has this footprint ([`Throw::footprint`]).
     #[inline]
     pub fn weighed(&self, footprint_m2_sr: f32) -> L {
@@ -71,7 +101,7 @@ impl<L: Lanes> Thrown<L> {
 }
 
 impl Throw {
-    /// `None` where no smooth surface throws light.
+    /// `None` where nothing throws light.
     pub fn new<M: Mode>(scene: &Scene<M>, camera: &Camera, count: u32) -> Option<Self> {
         let aim = Aim::new(scene)?;
         let guide = Guide::new(scene, &aim, (count / PATHS_PER_PHOTON).min(MAX_PHOTONS));
@@ -87,6 +117,22 @@ impl Throw {
         };
         let cos = seen.toward.dot(vertex.surface.ng).abs();
         self.count as f32 * PI * seen.pixel_m2 / cos.max(1e-6)
+    }
+
+    /// [`Find::density`] of light from a lamp (none: from beyond the scene) in direction `toward`, sent on by a thrower.
+    pub(super) fn density<M: Mode>(
+        &self,
+        scene: &Scene<M>,
+        thrower: &Thrower,
+        lamp: Option<&LampPoint>,
+        toward: Vec3,
+        waves: &M::Waves,
+    ) -> f32 {
+        let density = match lamp {
+            Some(lamp) => self.aim.density(scene, thrower.place, lamp, -toward),
+            None => self.aim.from_afar(scene, thrower.place, toward, waves).1,
+        };
+        if density > 0.0 { density * thrower.share_of_hits(scene, lamp, toward) } else { 0.0 }
     }
 
     /// Follows up to [`BATCH`] light paths of a round, by their numbers, and tells `land` what they bring.
@@ -125,7 +171,7 @@ impl Throw {
                         shadows[i] = way;
                         doubtful |= u8::from(!scene.lets_through()) << i;
                     }
-                    path.send_on(&vertex, limits)
+                    path.send_on(scene, &vertex, limits)
                 });
                 rays[i] = path.ray;
                 if !goes_on {
@@ -181,10 +227,13 @@ struct LightPath<M: Mode> {
     sampler: Sampler,
     /// Radiance over the density of all that was drawn.
     power: M::Light,
-    /// Of its first ray, and the place that this was aimed at.
+    /// [`Find::density`] of what it brings.
     density: f32,
+    /// Where it comes from and the place that it was aimed at.
+    lamp: Option<LampPoint>,
     place: u32,
     bounce: u32,
+    rough_throwers: u32,
     /// For the surface and its holes.
     u_surface: [f32; 4],
 }
@@ -194,9 +243,10 @@ impl<M: Mode> LightPath<M> {
         let [u_wave, ..] = sampler.next_4d();
         let waves = M::waves(u_wave);
         let u = [sampler.next_4d(), sampler.next_4d()];
-        let Shot { ray, interior, radiance, density, place } = aim.shoot(scene, u, &waves)?;
+        let Shot { ray, interior, radiance, density, place, lamp } = aim.shoot(scene, u, &waves)?;
         let power = radiance * (1.0 / density);
-        Some(Self { ray, interior, waves, sampler, power, density, place, bounce: 0, u_surface: [0.0; 4] })
+        let (bounce, rough_throwers, u_surface) = (0, 0, [0.0; 4]);
+        Some(Self { ray, interior, waves, sampler, power, density, lamp, place, bounce, rough_throwers, u_surface })
     }
 
     /// Takes the path to what its ray met: the vertex there, or nothing where it goes through a hole.
@@ -217,7 +267,7 @@ impl<M: Mode> LightPath<M> {
     }
 
     /// Samples the surface; false where the path ends.
-    fn send_on(&mut self, vertex: &Vertex<M>, limits: &PathLimits) -> bool {
+    fn send_on(&mut self, scene: &Scene<M>, vertex: &Vertex<M>, limits: &PathLimits) -> bool {
         let [u_x, u_y, u_lobe, _] = self.u_surface;
         let Some(sample) = vertex.bsdf.sample(vertex.wo, [u_lobe, u_x, u_y], &self.waves) else { return false };
         let wi = vertex.frame.to_world(sample.wi);
@@ -225,13 +275,24 @@ impl<M: Mode> LightPath<M> {
         if let Pdf::Through(_) = sample.pdf {
             self.power *= sample.weight;
         } else {
-            let aimed = self.bounce > 0
-                || sample.pdf == Pdf::Delta
-                    && vertex.throws(-self.ray.dir)
-                    && vertex.surface.place.number == self.place;
-            self.bounce += 1;
+            let toward = -self.ray.dir;
+            let aimed = self.bounce > 0 || vertex.throws(toward) && vertex.surface.place.number == self.place;
             let same_side = wi.dot(vertex.surface.ng) * sample.wi.z > 0.0;
-            if !aimed || !same_side || !vertex.is_reversible() || self.bounce >= limits.max_bounces {
+            self.rough_throwers += u32::from(vertex.is_thrower() && sample.pdf != Pdf::Delta);
+            if !aimed || !same_side || !vertex.is_reversible() || self.rough_throwers > MOST_ROUGH {
+                return false;
+            }
+            if self.bounce == 0 {
+                // As camera paths that come this way see it.
+                let pdf = match sample.pdf {
+                    Pdf::SolidAngle(_) => vertex.bsdf.eval(sample.wi, vertex.wo, &self.waves).1,
+                    Pdf::Delta | Pdf::Through(_) => f32::INFINITY,
+                };
+                let thrower = Thrower { place: self.place, at: vertex.surface.position, pdf };
+                self.density *= thrower.share_of_hits(scene, self.lamp.as_ref(), toward);
+            }
+            self.bounce += 1;
+            if self.bounce >= limits.max_bounces {
                 return false;
             }
             // Light is not compressed in dense bodies as radiance is.

@@ -66,20 +66,26 @@ impl<'s, M: Mode> Vertex<'s, M> {
         (local.z * wi.dot(self.surface.ng) > 0.0).then_some(local)
     }
 
+    /// True for mirrors and lenses. Neighbours share what they find on rough metal, and that is found often enough.
+    #[inline]
+    pub fn is_thrower(&self) -> bool {
+        match &self.bsdf {
+            Bsdf::Conductor(bsdf) => !bsdf.microfacets.is_broad(),
+            Bsdf::Dielectric(_) => true,
+            Bsdf::Black | Bsdf::Diffuse(_) | Bsdf::CoatedDiffuse(_) => false,
+        }
+    }
+
     /// True where light may be followed in either direction by the same rules.
     #[inline]
     pub fn is_reversible(&self) -> bool {
-        !self.bent && (self.bsdf.is_delta() || matches!(self.bsdf, Bsdf::Diffuse(_) | Bsdf::CoatedDiffuse(_)))
+        !self.bent && (self.is_thrower() || matches!(self.bsdf, Bsdf::Diffuse(_) | Bsdf::CoatedDiffuse(_)))
     }
 
-    /// True for a smooth mirror or lens that light from `toward` meets from outside.
+    /// True for a mirror, or a lens that light from `toward` meets from outside.
     #[inline]
     pub fn throws(&self, toward: Vec3) -> bool {
-        match &self.bsdf {
-            Bsdf::Conductor(_) => self.bsdf.is_delta(),
-            Bsdf::Dielectric(_) => self.bsdf.is_delta() && toward.dot(self.surface.ng) > 0.0,
-            Bsdf::Black | Bsdf::Diffuse(_) | Bsdf::CoatedDiffuse(_) => false,
-        }
+        self.is_thrower() && (matches!(self.bsdf, Bsdf::Conductor(_)) || toward.dot(self.surface.ng) > 0.0)
     }
 
     /// What scattering from `wo` into `wi` (world space) is to be multiplied with where it is light that comes from `wo`: on

@@ -5,8 +5,8 @@ use std::f32::consts::PI;
 
 use glam::Vec3;
 
-use super::light::visible_cap;
-use super::surface::{Body, Surface};
+use super::light::{LampPoint, visible_cap};
+use super::surface::Body;
 use super::{Interior, Scene};
 use crate::embree::{Ray, Shape};
 use crate::math::warp::{cone_pdf, square_to_cone, square_to_disk};
@@ -23,7 +23,7 @@ struct Caster {
     chance: f32,
 }
 
-/// Aims at every shape that has a perfectly smooth mirror or lens among its materials, more often where it is large.
+/// Aims at every shape that has a mirror or lens among its materials, more often where it is large.
 pub struct Aim {
     casters: Vec<Caster>,
     /// Of the chances up to and including each caster's.
@@ -42,6 +42,8 @@ pub struct Shot<M: Mode> {
     pub density: f32,
     /// The place that it is aimed at: whatever else it meets first was aimed at in its own right.
     pub place: u32,
+    /// Where it comes from; `None` beyond the scene.
+    pub lamp: Option<LampPoint>,
 }
 
 impl Aim {
@@ -90,7 +92,7 @@ impl Aim {
     ) -> Option<Shot<M>> {
         let at = self.sums.partition_point(|&sum| sum <= u_caster);
         let caster = &self.casters[at.min(self.casters.len() - 1)];
-        let light = scene.stage.lights.sample(caster.center, [u_light, u_light_x, u_light_y])?;
+        let (emitter, light) = scene.stage.lights.sample(caster.center, [u_light, u_light_x, u_light_y])?;
         if light.alone {
             return None;
         }
@@ -102,25 +104,26 @@ impl Aim {
             let (low, high) = scene.stage.bounds;
             let ray = Ray::new(aim + light.wi * low.distance(high), -light.wi);
             let counts = density > 0.0 && !radiance.is_black();
-            return counts.then_some(Shot { ray, interior: Interior::AIR, radiance, density, place });
+            return counts.then_some(Shot { ray, interior: Interior::AIR, radiance, density, place, lamp: None });
         }
-        let lamp = caster.center + light.wi * light.distance_m;
+        let lamp = LampPoint { emitter, position: caster.center + light.wi * light.distance_m, ng: light.ng };
         let dir = Frame::new(-light.wi).to_world(square_to_cone([u_x, u_y], caster.cone(light.distance_m)));
-        let density = caster.density(lamp, light.ng, dir, light.pdf);
+        let density = caster.density(&lamp, dir, light.pdf);
         let radiance = scene.arriving(&light.light, waves);
         if density <= 0.0 || radiance.is_black() {
             return None;
         }
         // A lamp's own surface does not hold its light back.
-        let origin = lamp + light.ng * (2e-6 * (lamp.abs().max_element() + caster.radius_m));
-        Some(Shot { ray: Ray::new(origin, dir), interior: scene.interior_at(origin), radiance, density, place })
+        let origin = lamp.position + lamp.ng * (2e-6 * (lamp.position.abs().max_element() + caster.radius_m));
+        let ray = Ray::new(origin, dir);
+        Some(Shot { ray, interior: scene.interior_at(origin), radiance, density, place, lamp: Some(lamp) })
     }
 
     /// Density with which [`shoot`](Self::shoot) sends light from a point of a lamp in a direction, where it meets this place
     /// first; 0 where it never does.
-    pub fn density<M: Mode>(&self, scene: &Scene<M>, place: u32, lamp: &Surface, dir: Vec3) -> f32 {
+    pub fn density<M: Mode>(&self, scene: &Scene<M>, place: u32, lamp: &LampPoint, dir: Vec3) -> f32 {
         let Some(caster) = self.caster(place) else { return 0.0 };
-        caster.density(lamp.position, lamp.ng, dir, scene.stage.lights.surface_pdf(caster.center, lamp))
+        caster.density(lamp, dir, scene.stage.lights.surface_pdf(caster.center, lamp))
     }
 
     /// Radiance that comes from a direction beyond the scene, and the density with which [`shoot`](Self::shoot) sends it.
@@ -145,12 +148,11 @@ impl Caster {
         visible_cap(distance_m, self.radius_m).unwrap_or(2.0)
     }
 
-    /// Of rays that leave a lamp at a point, where its outward normal is `ng`, in a direction. `pdf`: of drawing the point,
-    /// per sr at the centre.
-    fn density(&self, lamp: Vec3, ng: Vec3, dir: Vec3, pdf: f32) -> f32 {
-        let to_center = self.center - lamp;
+    /// Of rays that leave a point of a lamp in a direction. `pdf`: of drawing the point, per sr at the centre.
+    fn density(&self, lamp: &LampPoint, dir: Vec3, pdf: f32) -> f32 {
+        let to_center = self.center - lamp.position;
         let distance_m = to_center.length();
-        let (cos, cos_at_center) = (dir.dot(ng), to_center.dot(ng) / distance_m);
+        let (cos, cos_at_center) = (dir.dot(lamp.ng), to_center.dot(lamp.ng) / distance_m);
         // Only what shines towards both.
         if cos <= 0.0 || cos_at_center <= 0.0 {
             return 0.0;

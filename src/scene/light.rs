@@ -7,7 +7,6 @@ use glam::{Affine3A, Vec3};
 
 use super::beam::Beam;
 use super::environment::Sky;
-use super::surface::Surface;
 use crate::document::{Falloff, SpotEdge};
 use crate::math::Frame;
 use crate::math::warp::{cone_pdf, square_to_cone, square_to_disk, square_to_sphere, square_to_triangle};
@@ -97,6 +96,16 @@ pub struct LightSample {
     /// True when no scattered ray can find the light: it is a point, parallel, or an invisible surface.
     pub alone: bool,
     /// Outward normal of a shining surface; zero for the others.
+    pub ng: Vec3,
+}
+
+/// A point of a shining surface, world space.
+#[derive(Clone, Copy)]
+pub struct LampPoint {
+    /// The number of the [`Emitter`].
+    pub emitter: u32,
+    pub position: Vec3,
+    /// Outward.
     pub ng: Vec3,
 }
 
@@ -310,13 +319,13 @@ impl Sphere {
         Some(LightSample { wi, distance_m, light, pdf: cone_pdf(one_minus_cos), alone: hidden, ng })
     }
 
-    pub(super) fn pdf(&self, from: Vec3, surface: &Surface) -> f32 {
+    pub(super) fn pdf(&self, from: Vec3, lamp: &LampPoint) -> f32 {
         if let Some(one_minus_cos) = visible_cap(from.distance(self.center), self.radius) {
             return cone_pdf(one_minus_cos);
         }
-        let offset = surface.position - from;
+        let offset = lamp.position - from;
         let distance2 = offset.length_squared();
-        let cos = (offset.dot(surface.ng) / distance2.sqrt()).abs();
+        let cos = (offset.dot(lamp.ng) / distance2.sqrt()).abs();
         distance2 / (cos * 4.0 * PI * self.radius * self.radius)
     }
 }

@@ -2,9 +2,8 @@
 
 use glam::Vec3;
 
-use super::light::{Emitter, LightSample, Source, disc_radiance};
+use super::light::{Emitter, LampPoint, LightSample, Source, disc_radiance};
 use super::light_tree::LightTree;
-use super::surface::Surface;
 use crate::math::distribution::Alias;
 use crate::math::warp::cone_pdf;
 
@@ -50,8 +49,8 @@ impl Lights {
         (near / (near + self.irradiance)).clamp(LEAST_SHARE, 1.0 - LEAST_SHARE)
     }
 
-    /// Chooses a light and a direction towards it from `from`; `None` when there is none or it faces away.
-    pub fn sample(&self, from: Vec3, [u, u_x, u_y]: [f32; 3]) -> Option<LightSample> {
+    /// Chooses an emitter and a direction towards it from `from`; `None` when there is none or it faces away.
+    pub fn sample(&self, from: Vec3, [u, u_x, u_y]: [f32; 3]) -> Option<(u32, LightSample)> {
         let share = self.near_share(from);
         let (index, probability) = if u < share {
             let (index, probability) = self.near.sample(from, u / share)?;
@@ -63,19 +62,25 @@ impl Lights {
         };
         let mut sample = self.emitters[index].sample(from, [u_x, u_y])?;
         sample.pdf *= probability;
-        Some(sample)
+        Some((index as u32, sample))
     }
 
-    /// The density with which [`Lights::sample`] would have drawn the direction from `from` to this point of an emitting
-    /// surface.
-    pub fn surface_pdf(&self, from: Vec3, surface: &Surface) -> f32 {
-        let index = surface.emitter as usize;
+    /// The density with which [`Lights::sample`] would have drawn the direction from `from` to this point.
+    pub fn surface_pdf(&self, from: Vec3, lamp: &LampPoint) -> f32 {
+        let index = lamp.emitter as usize;
         let pdf = match &self.emitters[index] {
-            Emitter::Triangle(triangle) => triangle.pdf(surface.position - from),
-            Emitter::Sphere(sphere) => sphere.pdf(from, surface),
+            Emitter::Triangle(triangle) => triangle.pdf(lamp.position - from),
+            Emitter::Sphere(sphere) => sphere.pdf(from, lamp),
             _ => 0.0,
         };
         pdf * self.near.probability(from, index) * self.near_share(from)
+    }
+
+    /// The density with which [`Lights::sample`] would have drawn this direction from `from` towards any distant light.
+    pub fn distant_pdf(&self, from: Vec3, toward: Vec3) -> f32 {
+        let mut sum = 0.0;
+        self.escape(from, toward, |_, pdf| sum += pdf);
+        sum
     }
 
     /// Calls `add` with radiance and light-sampling density from `from` of each distant light that lies in direction

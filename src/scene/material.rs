@@ -223,15 +223,14 @@ impl<M: Mode> Material<M> {
         self.lets_through
     }
 
-    /// True when it may be a perfectly smooth mirror or lens.
+    /// True when it may be a mirror or lens that throws light in patterns.
     pub fn casts(&self) -> bool {
         match &self.body {
             Body::Conductor { roughness, distribution, .. } => {
                 roughness.map.is_some()
-                    || Microfacets { distribution: *distribution, alpha: roughness.value }.is_smooth()
+                    || !Microfacets { distribution: *distribution, alpha: roughness.value }.is_broad()
             }
-            Body::Dielectric { roughness, rough, .. } => roughness.map.is_some() || rough.is_none(),
-            Body::Refractor { .. } => true,
+            Body::Dielectric { .. } | Body::Refractor { .. } => true,
             Body::Black | Body::Diffuse { .. } | Body::CoatedDiffuse { .. } => false,
         }
     }

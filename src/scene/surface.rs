@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Mat3, Vec2, Vec3};
 
+use super::light::LampPoint;
 use crate::document;
 use crate::embree::{Accel, Hit, Shape};
 
@@ -194,6 +195,12 @@ impl<'s> Surface<'s> {
             emitter: part.emitter,
             error_m: place.rounding_m(center.abs().max_element() + radius),
         }
+    }
+
+    /// The point as one of a lamp.
+    #[inline]
+    pub fn lamp(&self) -> LampPoint {
+        LampPoint { emitter: self.emitter, position: self.position, ng: self.ng }
     }
 
     /// Where a ray leaving along `direction` may start without meeting this surface again.
