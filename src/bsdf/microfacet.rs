@@ -9,8 +9,9 @@ use crate::document::Distribution;
 /// Below this alpha a surface is treated as perfectly smooth: the lobe is narrower than f32 directions resolve.
 const SMOOTH_ALPHA: f32 = 1e-4;
 
-/// From this alpha on a lobe spans several degrees.
-const BROAD_ALPHA: f32 = 0.05;
+/// From this alpha on neighbours who share what they find on metal are better served than by light paths. At 0.1 light paths have
+/// 1.07 times the efficiency, and 2.8 in dim regions; at 0.15 they have 0.87 and 1.45.
+const BROAD_ALPHA: f32 = 0.12;
 
 #[derive(Clone, Copy, Debug)]
 pub struct Microfacets {
