@@ -252,3 +252,14 @@ fn by_rough_lenses_in_a_row_under_a_sun() {
     scene.sky(0.2);
     assert_found::<Spectral<4>>(&scene, 8, 1.0);
 }
+
+/// A coat mirrors little of the light, but that little comes from a lamp.
+#[test]
+fn by_coats_on_matte_bodies() {
+    let mut scene = corner();
+    scene.sphere(Vec3::new(-0.5, 0.6, 0.3), 0.5, coated(diffuse(0.3), 1.8, 250.0));
+    let slanting = Mat4::from_translation(Vec3::new(0.8, 0.3, 0.3)) * Mat4::from_rotation_x(0.5);
+    scene.geometry(slanting, quad(0.6), coated(diffuse(0.6), 1.6, 0.0));
+    lamp(&mut scene, 0.15);
+    assert_found::<Rgb>(&scene, 6, 2.0);
+}

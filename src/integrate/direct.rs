@@ -91,7 +91,7 @@ pub(super) fn direct_light<M: Mode>(
     let pdf = sample.pdf * of as f32;
     let weight = if alone { 1.0 } else { mis_weight(pdf, scatter_pdf * chance) };
     let arriving = arriving * passed * (weight / pdf);
-    let density = match throw.filter(|_| !sample.alone && vertex.throws(sample.wi)) {
+    let density = match throw.filter(|_| !sample.alone && vertex.throws(sample.wi, false)) {
         Some(throw) => {
             let lamp = sample.distance_m.is_finite().then(|| LampPoint {
                 emitter,

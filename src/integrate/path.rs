@@ -356,7 +356,7 @@ impl<M: Mode> Path<M> {
             self.reversible &= self.rough_throwers <= MOST_ROUGH;
         }
         let (place, at) = (vertex.surface.place.number, vertex.surface.position);
-        self.thrower = vertex.throws(wi).then_some(Thrower { place, at, pdf });
+        self.thrower = vertex.throws(wi, pdf.is_infinite()).then_some(Thrower { place, at, pdf });
     }
 
     /// True where light paths may come to a vertex and on the whole way back, or to where others look from.

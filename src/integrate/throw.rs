@@ -103,9 +103,12 @@ impl<L: Lanes> Find<L> {
 impl Throw {
     /// `None` where nothing throws light.
     pub fn new<M: Mode>(scene: &Scene<M>, camera: &Camera, count: u32) -> Option<Self> {
-        let aim = Aim::new(scene)?;
-        let guide = Guide::new(scene, &aim, (count / PATHS_PER_PHOTON).min(MAX_PHOTONS));
-        Some(Self { aim, camera: camera.clone(), guide, count })
+        Some(Self { aim: Aim::new(scene)?, camera: camera.clone(), guide: None, count })
+    }
+
+    /// Learns from photons where to look for what light paths cannot bring.
+    pub fn send_photons<M: Mode>(&mut self, scene: &Scene<M>) {
+        self.guide = Guide::new(scene, &self.aim, (self.count / PATHS_PER_PHOTON).min(MAX_PHOTONS));
     }
 
     /// What the density of light paths at a surface is to be multiplied with to be compared with the density of camera paths that
@@ -165,13 +168,13 @@ impl Throw {
                     continue;
                 }
                 let goes_on = scene.surface(&hits, i).is_some_and(|surface| {
-                    let Some(vertex) = path.arrive(scene, surface) else { return true };
+                    let Some(mut vertex) = path.arrive(scene, surface) else { return true };
                     if let Some((landing, way)) = self.land(scene, &vertex, path, tally) {
                         landings.push((i, landing));
                         shadows[i] = way;
                         doubtful |= u8::from(!scene.lets_through()) << i;
                     }
-                    path.send_on(scene, &vertex, limits)
+                    path.send_on(scene, &mut vertex, limits)
                 });
                 rays[i] = path.ray;
                 if !goes_on {
@@ -267,16 +270,21 @@ impl<M: Mode> LightPath<M> {
     }
 
     /// Samples the surface; false where the path ends.
-    fn send_on(&mut self, scene: &Scene<M>, vertex: &Vertex<M>, limits: &PathLimits) -> bool {
+    fn send_on(&mut self, scene: &Scene<M>, vertex: &mut Vertex<M>, limits: &PathLimits) -> bool {
         let [u_x, u_y, u_lobe, _] = self.u_surface;
-        let Some(sample) = vertex.bsdf.sample(vertex.wo, [u_lobe, u_x, u_y], &self.waves) else { return false };
+        let sample = match vertex.bsdf {
+            // What the body under a coat scatters is not thrown.
+            Bsdf::CoatedDiffuse(_) if self.bounce == 0 => vertex.bsdf.split_mirror(vertex.wo, 0.0, &self.waves),
+            _ => vertex.bsdf.sample(vertex.wo, [u_lobe, u_x, u_y], &self.waves),
+        };
+        let Some(sample) = sample else { return false };
         let wi = vertex.frame.to_world(sample.wi);
         let crosses = sample.wi.z * vertex.wo.z < 0.0;
         if let Pdf::Through(_) = sample.pdf {
             self.power *= sample.weight;
         } else {
             let toward = -self.ray.dir;
-            let aimed = self.bounce > 0 || vertex.throws(toward) && vertex.surface.place.number == self.place;
+            let aimed = self.bounce > 0 || vertex.throws(toward, sample.pdf == Pdf::Delta) && vertex.surface.place.number == self.place;
             let same_side = wi.dot(vertex.surface.ng) * sample.wi.z > 0.0;
             self.rough_throwers += u32::from(vertex.is_thrower() && sample.pdf != Pdf::Delta);
             if !aimed || !same_side || !vertex.is_reversible() || self.rough_throwers > MOST_ROUGH {

@@ -66,7 +66,7 @@ impl<'s, M: Mode> Vertex<'s, M> {
         (local.z * wi.dot(self.surface.ng) > 0.0).then_some(local)
     }
 
-    /// True for mirrors and lenses. Neighbours share what they find on rough metal, and that is found often enough.
+    /// True for mirrors and lenses, all of whose light may be thrown. Neighbours share what they find on rough metal, and that is found often enough.
     #[inline]
     pub fn is_thrower(&self) -> bool {
         match &self.bsdf {
@@ -82,10 +82,14 @@ impl<'s, M: Mode> Vertex<'s, M> {
         !self.bent && (self.is_thrower() || matches!(self.bsdf, Bsdf::Diffuse(_) | Bsdf::CoatedDiffuse(_)))
     }
 
-    /// True for a mirror, or a lens that light from `toward` meets from outside.
+    /// True where light from `toward` meets a mirror, a lens from outside, or the coat of a matte body: that mirrors only.
     #[inline]
-    pub fn throws(&self, toward: Vec3) -> bool {
-        self.is_thrower() && (matches!(self.bsdf, Bsdf::Conductor(_)) || toward.dot(self.surface.ng) > 0.0)
+    pub fn throws(&self, toward: Vec3, mirrors: bool) -> bool {
+        match &self.bsdf {
+            Bsdf::CoatedDiffuse(_) => mirrors,
+            Bsdf::Dielectric(_) => toward.dot(self.surface.ng) > 0.0,
+            _ => self.is_thrower(),
+        }
     }
 
     /// What scattering from `wo` into `wi` (world space) is to be multiplied with where it is light that comes from `wo`: on

@@ -54,9 +54,12 @@ pub fn tactics<M: Mode>(scene: &Scene<M>, camera: &Camera, plan: &Plan) -> Tacti
     let shares = plan.limits.strategy == Strategy::Shared;
     let mut tactics = Tactics { limits: plan.limits, shares, draws_log2: 0, throw: None };
     let pixels = width.saturating_mul(height).max(1);
-    let throw = if shares { Throw::new(scene, camera, pixels.min(MOST_LIGHT_PATHS)) } else { None };
+    let mut throw = if shares { Throw::new(scene, camera, pixels.min(MOST_LIGHT_PATHS)) } else { None };
     let groups = groups(camera.size);
     if !shares || groups.is_empty() {
+        if let Some(throw) = &mut throw {
+            throw.send_photons(scene);
+        }
         return Tactics { throw, ..tactics };
     }
 
@@ -66,7 +69,7 @@ pub fn tactics<M: Mode>(scene: &Scene<M>, camera: &Camera, plan: &Plan) -> Tacti
     tactics.throw = throw;
     let base = run(&tactics);
     let weights = weights(&base);
-    let camera = Cost::of_trials(&base, &weights);
+    let mut camera = Cost::of_trials(&base, &weights);
     let mut light = Cost::default();
 
     // Follow light paths where they find light sooner, and as many as serve best.
@@ -74,8 +77,10 @@ pub fn tactics<M: Mode>(scene: &Scene<M>, camera: &Camera, plan: &Plan) -> Tacti
         let [light_paths, finds] = Cost::of_light_paths(scene, plan, throw, (&groups, &weights), pixels);
         match camera.best_with(&light_paths, &finds) {
             Some((log2, cost)) => {
+                throw.send_photons(scene);
                 throw.count = (throw.count >> log2).max(1);
                 light = cost;
+                camera = Cost::of_trials(&run(&tactics), &weights);
             }
             None => tactics.throw = None,
         }

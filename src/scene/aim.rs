@@ -1,7 +1,8 @@
 //! Rays from lamps that are aimed at mirrors and lenses, and how likely each is.
 
 use std::collections::HashMap;
-use std::f32::consts::PI;
+use std::f32::consts::{PI, TAU};
+use std::f64::consts::SQRT_2;
 
 use glam::Vec3;
 
@@ -10,7 +11,7 @@ use super::surface::Body;
 use super::{Interior, Scene};
 use crate::embree::{Ray, Shape};
 use crate::math::warp::{cone_pdf, square_to_cone, square_to_disk};
-use crate::math::{Frame, extent};
+use crate::math::{Frame, GOLDEN, extent};
 use crate::mode::{Lanes, Mode};
 
 /// A ball around a shape that throws light.
@@ -23,7 +24,10 @@ struct Caster {
     chance: f32,
 }
 
-/// Aims at every shape that has a mirror or lens among its materials, more often where it is large.
+/// Lamps that are drawn to learn how much light comes to a caster.
+const DRAWS: usize = 16;
+
+/// Aims at every shape that has a mirror, a lens or a coat among its materials, as often as it throws light.
 pub struct Aim {
     casters: Vec<Caster>,
     /// Of the chances up to and including each caster's.
@@ -52,9 +56,10 @@ impl Aim {
         let stage = &scene.stage;
         let mut boxes = HashMap::<Shape, (Vec3, Vec3)>::new();
         let mut casters = Vec::new();
-        let mut of_place = vec![None; stage.places.len()];
-        for (number, place) in (0u32..).zip(&stage.places) {
-            if !place.parts.iter().any(|part| scene.materials[part.material as usize].casts()) {
+        for (place, number) in stage.places.iter().zip(0..) {
+            let casts = place.parts.iter().map(|part| scene.materials[part.material as usize].casts());
+            let casts = casts.fold(0.0, f32::max);
+            if casts == 0.0 {
                 continue;
             }
             let (center, radius) = match &place.body {
@@ -67,18 +72,21 @@ impl Aim {
             };
             // A little larger, so that rounding puts no vertex outside.
             let (center, radius_m) = (place.to_world.transform_point3(center), 1.0001 * radius * place.scale);
-            if radius_m > 0.0 && radius_m.is_finite() {
-                of_place[number as usize] = Some(casters.len() as u32);
-                casters.push(Caster { place: number, center, radius_m, chance: radius_m * radius_m });
+            let mut caster = Caster { place: number, center, radius_m, chance: 0.0 };
+            caster.chance = casts * caster.flux(scene);
+            if caster.chance > 0.0 && caster.chance.is_finite() {
+                casters.push(caster);
             }
         }
         let total: f32 = casters.iter().map(|caster| caster.chance).sum();
         let mut sum = 0.0;
         let mut sums = Vec::with_capacity(casters.len());
-        for caster in &mut casters {
+        let mut of_place = vec![None; stage.places.len()];
+        for (caster, index) in casters.iter_mut().zip(0..) {
             caster.chance /= total;
             sum += caster.chance;
             sums.push(sum);
+            of_place[caster.place as usize] = Some(index);
         }
         (!casters.is_empty()).then_some(Self { casters, sums, of_place })
     }
@@ -143,6 +151,21 @@ impl Aim {
 }
 
 impl Caster {
+    /// Of lamps that rays can hit, about what comes into the ball.
+    fn flux<M: Mode>(&self, scene: &Scene<M>) -> f32 {
+        let from_lamp = |k: usize| {
+            let k = k as f64 + 0.5;
+            let u = [k / DRAWS as f64, (k * GOLDEN).fract(), (k * SQRT_2).fract()].map(|u| u as f32);
+            let (_, light) = scene.stage.lights.sample(self.center, u).filter(|(_, light)| !light.alone)?;
+            let area_m2 = match light.distance_m.is_finite() {
+                true => TAU * self.cone(light.distance_m) * light.distance_m * light.distance_m,
+                false => PI * self.radius_m * self.radius_m,
+            };
+            Some(scene.arriving(&light.light, &M::waves(0.5)).mean() / light.pdf * area_m2)
+        };
+        (0..DRAWS).filter_map(from_lamp).sum()
+    }
+
     /// 1 - cos of the half angle of the cone around the ball, seen from so far from its centre: all directions from inside.
     fn cone(&self, distance_m: f32) -> f32 {
         visible_cap(distance_m, self.radius_m).unwrap_or(2.0)

@@ -19,6 +19,9 @@ use crate::mode::{FilmPlan, Mode};
 /// What surrounds bodies that are no media.
 pub(super) const AIR: Index = Index::Constant { n: 1.0, k: 0.0 };
 
+/// About the share of light that the coat of a matte body mirrors.
+const COAT: f32 = 0.1;
+
 pub struct Material<M: Mode> {
     body: Body<M>,
     /// Of the one film that varies (or a constant, which the compiled film ignores).
@@ -223,15 +226,16 @@ impl<M: Mode> Material<M> {
         self.lets_through
     }
 
-    /// True when it may be a mirror or lens that throws light in patterns.
-    pub fn casts(&self) -> bool {
+    /// About which share of light it throws in patterns, as mirrors and lenses do.
+    pub fn casts(&self) -> f32 {
         match &self.body {
             Body::Conductor { roughness, distribution, .. } => {
-                roughness.map.is_some()
-                    || !Microfacets { distribution: *distribution, alpha: roughness.value }.is_broad()
+                let is_broad = Microfacets { distribution: *distribution, alpha: roughness.value }.is_broad();
+                if is_broad && roughness.map.is_none() { 0.0 } else { 1.0 }
             }
-            Body::Dielectric { .. } | Body::Refractor { .. } => true,
-            Body::Black | Body::Diffuse { .. } | Body::CoatedDiffuse { .. } => false,
+            Body::Dielectric { .. } | Body::Refractor { .. } => 1.0,
+            Body::CoatedDiffuse { .. } => COAT,
+            Body::Black | Body::Diffuse { .. } => 0.0,
         }
     }
 
