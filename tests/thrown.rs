@@ -263,3 +263,18 @@ fn by_coats_on_matte_bodies() {
     lamp(&mut scene, 0.15);
     assert_found::<Rgb>(&scene, 6, 2.0);
 }
+
+/// A large lamp, rough surfaces and a small part of a wall: all ways to find the light are about as likely.
+#[test]
+fn by_very_rough_glass_and_metal_onto_a_near_wall() {
+    let mut scene = Builder::seen_from(Vec3::new(0.0, 0.5, 2.5), 14.0);
+    scene.geometry(
+        Mat4::from_translation(Vec3::new(0.0, 0.0, -1.5)) * Mat4::from_rotation_x(FRAC_PI_2),
+        quad(3.0),
+        diffuse(0.5),
+    );
+    scene.sphere(Vec3::new(0.8, 0.6, -0.3), 0.4, glass(1.5, 0.3));
+    scene.sphere(Vec3::new(-0.7, 0.5, -0.6), 0.3, metal(0.2, 3.0, 0.1));
+    scene.sphere(Vec3::new(2.2, 1.0, 2.5), 0.8, shining(diffuse(0.0), 3.0));
+    assert_found::<Rgb>(&scene, 6, 0.5);
+}

@@ -284,7 +284,8 @@ impl<M: Mode> LightPath<M> {
             self.power *= sample.weight;
         } else {
             let toward = -self.ray.dir;
-            let aimed = self.bounce > 0 || vertex.throws(toward, sample.pdf == Pdf::Delta) && vertex.surface.place.number == self.place;
+            let aimed = self.bounce > 0
+                || vertex.throws(toward, sample.pdf == Pdf::Delta) && vertex.surface.place.number == self.place;
             let same_side = wi.dot(vertex.surface.ng) * sample.wi.z > 0.0;
             self.rough_throwers += u32::from(vertex.is_thrower() && sample.pdf != Pdf::Delta);
             if !aimed || !same_side || !vertex.is_reversible() || self.rough_throwers > MOST_ROUGH {
