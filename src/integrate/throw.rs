@@ -1,13 +1,14 @@
-//! Light that smooth mirrors and lenses throw onto other surfaces, followed from the lamps.
+//! Light that mirrors and lenses throw onto other surfaces, followed from the lamps.
 //!
 //! A caustic is bright, small, and a path from the camera finds the way to the lamp that makes it by luck alone. A path that
 //! begins at the lamp finds it at once: wherever it lands on a matte surface it adds to the pixel that sees it there. Both find
 //! the same light, so each is weighed by how likely it was to find it (the balance heuristic). Veach 1997, chapter 10, where
 //! light paths are the strategy with one vertex on the lens.
 //!
-//! Only light that comes to a smooth surface straight from a lamp is weighed: what others scatter is drawn by next-event
-//! estimation, and found well. The ratio of the two densities is that of their ends alone: along smooth surfaces flux keeps its
-//! spread in area and direction, and matte ones scatter alike both ways.
+//! Only light that comes to a thrower straight from a lamp is weighed: what others scatter is drawn by next-event estimation, and
+//! found well. Camera paths may draw the lamp at a rough thrower, too; a thrower is the last before the lamp in all three ways.
+//! The ratio of their densities is taken to be that of the ends alone: along smooth surfaces flux keeps its spread in area and
+//! direction, matte ones scatter alike both ways, and rough ones nearly so. Means are kept as all use the same ratio.
 
 use std::f32::consts::PI;
 use std::ops::Range;
