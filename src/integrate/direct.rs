@@ -91,6 +91,8 @@ pub(super) fn direct_light<M: Mode>(
     let pdf = sample.pdf * of as f32;
     let weight = if alone { 1.0 } else { mis_weight(pdf, scatter_pdf * chance) };
     let arriving = arriving * passed * (weight / pdf);
+
+    // Ask how likely light paths are to bring the same.
     let density = match throw.filter(|_| !sample.alone && vertex.throws(sample.wi, false)) {
         Some(throw) => {
             let lamp = sample.distance_m.is_finite().then(|| LampPoint {

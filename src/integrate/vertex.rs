@@ -66,7 +66,8 @@ impl<'s, M: Mode> Vertex<'s, M> {
         (local.z * wi.dot(self.surface.ng) > 0.0).then_some(local)
     }
 
-    /// True for mirrors and lenses, all of whose light may be thrown. Neighbours share what they find on rough metal, and that is found often enough.
+    /// True for mirrors and lenses, also rough ones: all that they scatter may be thrown. On very rough metal neighbours share
+    /// what they find, and find it often enough.
     #[inline]
     pub fn is_thrower(&self) -> bool {
         match &self.bsdf {
