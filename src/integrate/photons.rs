@@ -74,8 +74,9 @@ fn follow<M: Mode>(
             interior = beyond;
             continue;
         };
-        let vertex = Vertex::new(scene, (surface, material), -ray.dir, [interior, beyond], waves);
-        if !throws(&vertex) {
+        let mut vertex = Vertex::new(scene, (surface, material), -ray.dir, [interior, beyond], waves);
+        let is_first = thrower.is_none();
+        if !throws(&vertex, is_first) {
             let position = vertex.surface.position;
             let Some(thrower) = thrower else { break };
             let direct = direct(scene, &vertex, &mut sampler, waves);
@@ -85,7 +86,7 @@ fn follow<M: Mode>(
                 break;
             }
         }
-        let Some(sample) = vertex.bsdf.sample(vertex.wo, [u_lobe, u_x, u_y], waves) else { break };
+        let Some(sample) = vertex.sample_thrown(is_first, [u_lobe, u_x, u_y], waves) else { break };
         let wi = vertex.frame.to_world(sample.wi);
         power *= sample.weight.mean();
         if !matches!(sample.pdf, Pdf::Through(_)) {
@@ -99,9 +100,13 @@ fn follow<M: Mode>(
     photons
 }
 
-/// True for mirrors and lenses; photons land on the others.
-fn throws<M: Mode>(vertex: &Vertex<M>) -> bool {
-    matches!(vertex.bsdf, Bsdf::Conductor(_) | Bsdf::Dielectric(_))
+/// True for mirrors and lenses, and for coats that come first; photons land on the others.
+fn throws<M: Mode>(vertex: &Vertex<M>, is_first: bool) -> bool {
+    match &vertex.bsdf {
+        Bsdf::Conductor(_) | Bsdf::Dielectric(_) => true,
+        Bsdf::CoatedDiffuse(_) => is_first,
+        Bsdf::Black | Bsdf::Diffuse(_) => false,
+    }
 }
 
 /// W/m2 from a lamp, if nothing stands in between.
@@ -122,7 +127,7 @@ fn indirect<M: Mode>(scene: &Scene<M>, vertex: &Vertex<M>, sampler: &mut Sampler
     let Some(mut surface) = scene.intersect(&ray) else { return 0.0 };
     let (Some(material), beyond) = scene.meet(&ray, &mut surface, &vertex.interior) else { return 0.0 };
     let other = Vertex::new(scene, (surface, material), -wi, [vertex.interior, beyond], waves);
-    if throws(&other) {
+    if throws(&other, false) {
         return 0.0;
     }
     direct(scene, &other, sampler, waves) * other.bsdf.albedo(waves).mean()

@@ -273,12 +273,8 @@ impl<M: Mode> LightPath<M> {
     /// Samples the surface; false where the path ends.
     fn send_on(&mut self, scene: &Scene<M>, vertex: &mut Vertex<M>, limits: &PathLimits) -> bool {
         let [u_x, u_y, u_lobe, _] = self.u_surface;
-        let sample = match vertex.bsdf {
-            // What the body under a coat scatters is not thrown.
-            Bsdf::CoatedDiffuse(_) if self.bounce == 0 => vertex.bsdf.split_mirror(vertex.wo, 0.0, &self.waves),
-            _ => vertex.bsdf.sample(vertex.wo, [u_lobe, u_x, u_y], &self.waves),
-        };
-        let Some(sample) = sample else { return false };
+        let u = [u_lobe, u_x, u_y];
+        let Some(sample) = vertex.sample_thrown(self.bounce == 0, u, &self.waves) else { return false };
         let wi = vertex.frame.to_world(sample.wi);
         let crosses = sample.wi.z * vertex.wo.z < 0.0;
         if let Pdf::Through(_) = sample.pdf {

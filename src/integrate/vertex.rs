@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::guide::{Guide, Leaf};
-use crate::bsdf::Bsdf;
+use crate::bsdf::{Bsdf, BsdfSample};
 use crate::math::Frame;
 use crate::mode::Mode;
 use crate::scene::{Interior, Material, Scene, Surface};
@@ -90,6 +90,16 @@ impl<'s, M: Mode> Vertex<'s, M> {
             Bsdf::CoatedDiffuse(_) => mirrors,
             Bsdf::Dielectric(_) => toward.dot(self.surface.ng) > 0.0,
             _ => self.is_thrower(),
+        }
+    }
+
+    /// Draws where light goes that comes from a lamp, straight from it where this is the `first` surface: of a coated body that
+    /// throws only what the coat mirrors.
+    #[inline]
+    pub fn sample_thrown(&mut self, first: bool, u: [f32; 3], waves: &M::Waves) -> Option<BsdfSample<M>> {
+        match self.bsdf {
+            Bsdf::CoatedDiffuse(_) if first => self.bsdf.split_mirror(self.wo, 0.0, waves),
+            _ => self.bsdf.sample(self.wo, u, waves),
         }
     }
 

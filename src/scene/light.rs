@@ -102,7 +102,7 @@ pub struct LightSample {
 /// A point of a shining surface, world space.
 #[derive(Clone, Copy)]
 pub struct LampPoint {
-    /// The number of the [`Emitter`].
+    /// Its number among the emitters of [`Lights`](super::Lights).
     pub emitter: u32,
     pub position: Vec3,
     /// Outward.
