@@ -7,7 +7,7 @@ use super::vertex::Vertex;
 use super::{Strategy, Tally, mis_weight};
 use crate::embree::Ray;
 use crate::mode::{Lanes, Mode};
-use crate::scene::{LampPoint, Scene};
+use crate::scene::Scene;
 
 /// A surface draws no more than 2^this sources of light at once.
 pub const MOST_DRAWS_LOG2: u32 = 2;
@@ -23,8 +23,7 @@ pub(super) struct Direct<L> {
 }
 
 impl<L: Lanes> Direct<L> {
-    pub const NONE: Self =
-        Self { find: Find { light: L::ZERO, density: 0.0 }, wi: Vec3::Z, arriving: L::ZERO, shadow: None };
+    pub const NONE: Self = Self { find: Find::NOTHING, wi: Vec3::Z, arriving: L::ZERO, shadow: None };
 }
 
 /// How a source is drawn.
@@ -95,11 +94,7 @@ pub(super) fn direct_light<M: Mode>(
     // Ask how likely light paths are to bring the same.
     let density = match throw.filter(|_| !sample.alone && vertex.throws(sample.wi, false)) {
         Some(throw) => {
-            let lamp = sample.distance_m.is_finite().then(|| LampPoint {
-                emitter,
-                position: at + sample.wi * sample.distance_m,
-                ng: sample.ng,
-            });
+            let lamp = sample.lamp(emitter, at);
             let thrower = Thrower { place: vertex.surface.place.number, at, pdf: scatter_pdf };
             throw.density(scene, &thrower, lamp.as_ref(), sample.wi, waves)
         }

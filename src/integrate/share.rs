@@ -86,8 +86,7 @@ fn walk<'s, M: Mode>(
     mirrored: &mut Mirrored<M>,
     tally: &mut Tally,
 ) {
-    let nothing = Find { light: M::Light::ZERO, density: 0.0 };
-    let (shadows, finds) = ([[Ray::NONE; GROUP]; DRAWS], [[nothing; GROUP]; DRAWS]);
+    let (shadows, finds) = ([[Ray::NONE; GROUP]; DRAWS], [[Find::NOTHING; GROUP]; DRAWS]);
     let mut doubts = Doubts { shadows, finds, lanes: [0; DRAWS] };
     let mut rays = [Ray::NONE; GROUP];
     let mut active = 0u8;

@@ -94,6 +94,8 @@ impl Thrower {
 }
 
 impl<L: Lanes> Find<L> {
+    pub const NOTHING: Self = Self { light: L::ZERO, density: 0.0 };
+
     /// What counts of it where the path's first surface has this footprint ([`Throw::footprint`]).
     #[inline]
     pub fn weighed(&self, footprint_m2_sr: f32) -> L {

@@ -105,7 +105,7 @@ impl Aim {
             return None;
         }
         let place = caster.place;
-        if light.distance_m.is_infinite() {
+        let Some(lamp) = light.lamp(emitter, caster.center) else {
             let (radiance, density) = self.from_afar(scene, place, light.wi, waves);
             let aim =
                 caster.center + Frame::new(light.wi).to_world(square_to_disk([u_x, u_y]).extend(0.0)) * caster.radius_m;
@@ -113,8 +113,7 @@ impl Aim {
             let ray = Ray::new(aim + light.wi * low.distance(high), -light.wi);
             let counts = density > 0.0 && !radiance.is_black();
             return counts.then_some(Shot { ray, interior: Interior::AIR, radiance, density, place, lamp: None });
-        }
-        let lamp = LampPoint { emitter, position: caster.center + light.wi * light.distance_m, ng: light.ng };
+        };
         let dir = Frame::new(-light.wi).to_world(square_to_cone([u_x, u_y], caster.cone(light.distance_m)));
         let density = caster.density(&lamp, dir, light.pdf);
         let radiance = scene.arriving(&light.light, waves);

@@ -99,6 +99,15 @@ pub struct LightSample {
     pub ng: Vec3,
 }
 
+impl LightSample {
+    /// The point of a shining surface that was drawn for `from` on this emitter; `None` beyond the scene.
+    #[inline]
+    pub fn lamp(&self, emitter: u32, from: Vec3) -> Option<LampPoint> {
+        let position = from + self.wi * self.distance_m;
+        self.distance_m.is_finite().then_some(LampPoint { emitter, position, ng: self.ng })
+    }
+}
+
 /// A point of a shining surface, world space.
 #[derive(Clone, Copy)]
 pub struct LampPoint {
