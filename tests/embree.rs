@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use glam::{Affine3A, Quat, Vec3};
-use pellicle::embree::{Accel, AccelBuilder, BATCH, EmbreeError, Hit, Ray, Shape};
+use pellicle::embree::{Accel, AccelBuilder, BATCH, EmbreeError, Hit, Hits, Ray, Shape};
 
 /// One triangle in the plane z = 0.
 fn triangle(builder: &mut AccelBuilder) -> Shape {
@@ -340,11 +340,12 @@ fn batches_answer_like_single_rays() {
             _ => Ray::new(origin, dir),
         })
         .collect();
-    let mut met = 0;
+    let (mut met, mut hits) = (0, Hits::default());
     for (i, batch) in rays.chunks_exact(BATCH).enumerate() {
         let batch: &[Ray; BATCH] = batch.try_into().unwrap();
         let active = !(1 << (i % 9)) as u8;
-        let (hits, blocked) = (accel.intersect_batch(batch, active), accel.occluded_batch(batch, active));
+        accel.intersect_batch(batch, active, &mut hits);
+        let blocked = accel.occluded_batch(batch, active);
         for (lane, ray) in batch.iter().enumerate() {
             let single = if active >> lane & 1 == 1 { accel.intersect(ray) } else { None };
             assert_eq!(blocked >> lane & 1 == 1, single.is_some(), "{ray:?}");
@@ -360,7 +361,7 @@ fn batches_answer_like_single_rays() {
     assert!((1000..7000).contains(&met), "{met}");
     let everywhere: [Ray; BATCH] = std::array::from_fn(|i| rays[2 + i]);
     let empty = AccelBuilder::new(1).unwrap().build().unwrap();
-    let hits = empty.intersect_batch(&everywhere, 0xff);
+    empty.intersect_batch(&everywhere, 0xff, &mut hits);
     assert!((0..BATCH).all(|lane| hits.get(lane).is_none()) && empty.occluded_batch(&everywhere, 0xff) == 0);
 }
 

@@ -17,7 +17,7 @@ mod layout;
 mod ray;
 
 pub use accel::Accel;
-pub use batch::{BATCH, Hits};
+pub use batch::{BATCH, Hits, Rays};
 pub use builder::{AccelBuilder, Shape};
 pub use error::EmbreeError;
 pub use handle::version;

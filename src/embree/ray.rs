@@ -5,7 +5,7 @@ use glam::Vec3;
 use super::layout::{INVALID_ID, LEVELS, RTCHit, RTCRay, RTCRayHit};
 
 /// Of its length, what a ray between two points leaves out at its end.
-const GAP: f32 = 1e-4;
+pub(super) const GAP: f32 = 1e-4;
 
 /// The points `origin + t * dir` with t in `tnear..=tfar`. `dir` need not have unit length: t counts in its length.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -222,27 +222,29 @@ impl<M: Mode> Path<M> {
         self.thrown.iter().fold(self.radiance, |sum, find| sum + find.weighed(footprint))
     }
 
-    /// The surface that the path is at, ready to scatter.
+    /// The surface that the path is at, ready to scatter; to be [prepared](Path::prepare).
     #[inline]
     pub(super) fn vertex<'s>(
-        &mut self,
+        &self,
         scene: &'s Scene<M>,
-        tactics: &'s Tactics,
-        (surface, material): (Surface<'s>, &'s Material<M>),
+        found: (Surface<'s>, &'s Material<M>),
         beyond: Interior,
     ) -> Vertex<'s, M> {
-        let interiors = [self.interior, beyond];
-        let mut vertex = Vertex::new(scene, (surface, material), -self.ray.dir, interiors, &self.waves);
+        Vertex::new(scene, found, -self.ray.dir, [self.interior, beyond], &self.waves)
+    }
+
+    /// Lets the surface that the path is at know where light is thrown, and draws numbers for it.
+    #[inline]
+    pub(super) fn prepare<'s>(&mut self, vertex: &mut Vertex<'s, M>, tactics: &'s Tactics) {
         if let Some(throw) = &tactics.throw {
             if self.bounce == 0 {
-                self.footprint = throw.footprint(&vertex);
+                self.footprint = throw.footprint(vertex);
             }
             if !self.reversible || self.footprint == 0.0 {
                 vertex.consult(throw.guide.as_ref());
             }
         }
         self.u_light = self.sampler.next_4d();
-        vertex
     }
 
     /// How many sources of light the path draws at its next surface, as a power of two.

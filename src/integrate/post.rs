@@ -14,6 +14,7 @@
 //! never on the path that found it: others count as light that only their own path can find.
 
 use glam::Vec3;
+use wide::{CmpGe, f32x8};
 
 use super::Tally;
 use super::direct::Direct;
@@ -22,9 +23,10 @@ use super::share::GROUP;
 use super::throw::Find;
 use super::vertex::Vertex;
 use crate::bsdf::Bsdf;
-use crate::embree::Ray;
+use crate::embree::Rays;
+use crate::math::{Vec3x8, set_bits};
 use crate::mode::{Lanes, Mode};
-use crate::scene::Scene;
+use crate::scene::{Scene, Surface};
 
 /// Where one path of a group looks from, and what it found.
 pub(super) struct Post<'s, M: Mode> {
@@ -44,6 +46,13 @@ pub(super) struct Post<'s, M: Mode> {
     radiance: M::Light,
     /// Of x, where that is the path's first surface; else 0 ([`Throw::footprint`](super::throw::Throw::footprint)).
     footprint: f32,
+}
+
+/// Where the posts of a group look from, side by side; anything for those that do not.
+pub(super) struct Viewers {
+    position: Vec3x8,
+    ng: Vec3x8,
+    offset: Vec3x8,
 }
 
 /// Light that a glossy surface can scatter to any viewer; directions in its frame.
@@ -159,6 +168,22 @@ impl<'s, M: Mode> Post<'s, M> {
     }
 }
 
+impl Viewers {
+    pub fn new<M: Mode>(posts: &[Post<M>; GROUP]) -> Self {
+        let of = |what: fn(&Surface) -> Vec3| {
+            posts.each_ref().map(|post| post.x.as_ref().map_or(Vec3::ZERO, |x| what(&x.surface))).into()
+        };
+        Self { position: of(|x| x.position), ng: of(|x| x.ng), offset: of(|x| x.offset()) }
+    }
+
+    /// As [`Surface::leave`], each in its direction.
+    #[inline]
+    fn leave(&self, directions: Vec3x8) -> Vec3x8 {
+        let outward = directions.dot(self.ng).cmp_ge(f32x8::ZERO);
+        self.position + self.offset * outward.blend(f32x8::ONE, f32x8::splat(-1.0))
+    }
+}
+
 /// True where a path scatters into all directions of its side, in clear air, and no roulette has yet been played.
 fn looks_around<M: Mode>(x: &Vertex<M>, path: &Path<M>) -> bool {
     let scatters = match &x.bsdf {
@@ -181,7 +206,7 @@ fn find<M: Mode>(y: &Vertex<M>) -> Kept {
 /// Gives all posts their part of what path number `finder` found.
 pub(super) fn hand_out<M: Mode>(
     scene: &Scene<M>,
-    posts: &[Post<M>; GROUP],
+    (posts, viewers): (&[Post<M>; GROUP], &Viewers),
     finder: usize,
     path: &Path<M>,
     gathered: &mut [M::Light; GROUP],
@@ -194,29 +219,29 @@ pub(super) fn hand_out<M: Mode>(
         return;
     }
 
-    // What each post would make of y, if it sees it, and how likely it was to find it, were nothing guided.
+    // Look at y from all posts. Rays start beside x and end beside y: near where surfaces touch, a ray to y itself would be
+    // stopped by it for those who are close, and they would be left out.
+    let offset = Vec3x8::splat(y.surface.position) - viewers.position;
+    let distance2 = offset.length_squared();
+    let toward = offset * (f32x8::ONE / distance2.sqrt());
+    // Per area of y instead of solid angle at x.
+    let geometry = (Vec3x8::splat(y.surface.ng).dot(toward).abs() / distance2).to_array();
+    let target = y.surface.leave(y.frame.to_world(y.wo));
+    let rays = Rays::between(viewers.leave(toward), Vec3x8::splat(target));
+
+    // What each would make of y, if it sees it, and how likely it was to find it, were nothing guided.
     let mut seen = [M::Light::ZERO; GROUP];
     let mut onward = [M::Light::ZERO; GROUP];
     let mut densities = [0.0; GROUP];
     let mut onward_densities = [0.0; GROUP];
-    let mut rays = [Ray::NONE; GROUP];
-    let mut doubtful = 0u8;
-    // Rays start beside x and end beside y: near where surfaces touch, a ray to y itself would be stopped by it for those
-    // who are close, and they would be left out.
-    let target = y.surface.leave(y.frame.to_world(y.wo));
+    let mut looking = 0u8;
     let (mut finders_share, mut finders_turn) = (1.0, 1.0);
-    for (k, post) in posts.iter().enumerate() {
+    for k in set_bits(y.looks_the_same_along(toward)) {
+        let (post, wi, geometry) = (&posts[k], toward.lane(k), geometry[k]);
         let Some(x) = post.x.as_ref().filter(|_| post.bounce == *bounce) else { continue };
-        let offset = y.surface.position - x.surface.position;
-        let distance2 = offset.length_squared();
-        let wi = offset * (1.0 / distance2.sqrt());
-        if !y.looks_the_same(-wi) {
-            continue;
-        }
         let Some(local) = x.local(wi) else { continue };
         let (value, pdf) = x.bsdf.eval(x.wo, local, &path.waves);
-        // Per area of y instead of solid angle at x.
-        let geometry = y.surface.ng.dot(wi).abs() / distance2;
+        looking |= 1 << k;
         densities[k] = pdf * geometry;
         seen[k] = post.throughput * value * geometry;
         let mut turn_pdf = 1.0;
@@ -232,15 +257,13 @@ pub(super) fn hand_out<M: Mode>(
         }
         if k == finder {
             (finders_share, finders_turn) = (pdf / x.density(wi, pdf), turn_pdf);
-        } else {
-            rays[k] = Ray::between(x.surface.leave(wi), target);
-            doubtful |= 1 << k;
         }
     }
+    // The finder has seen it.
+    let doubtful = looking & !(1 << finder);
     tally.shadow_rays += u64::from(doubtful.count_ones());
-    let hidden = scene.stage.occluded_batch(&rays, doubtful);
-    let visible = |k: &usize| hidden >> k & 1 == 0;
-    let sum = |densities: &[f32; GROUP]| (0..GROUP).filter(visible).map(|k| densities[k]).sum::<f32>();
+    let visible = looking & !scene.stage.occluded_batch(rays, doubtful);
+    let sum = |densities: &[f32; GROUP]| set_bits(visible).map(|k| densities[k]).sum::<f32>();
 
     // Weigh by the sums over those that see it.
     let per_density = |density: f32| {
@@ -250,7 +273,7 @@ pub(super) fn hand_out<M: Mode>(
     let share = per_density(sum(&densities));
     let onward_share = if turn.is_some() { per_density(sum(&onward_densities)) } else { 0.0 };
     let apart = if finders_turn > 0.0 { path.apart * (share / finders_turn) } else { M::Light::ZERO };
-    for k in (0..GROUP).filter(visible) {
+    for k in set_bits(visible) {
         // What lies behind a matte y, or behind a glossy one.
         let behind = path.found(posts[k].footprint);
         gathered[k] += match turn {

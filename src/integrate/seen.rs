@@ -1,7 +1,7 @@
 //! Light that the camera sees directly.
 
 use super::Tally;
-use crate::embree::{BATCH, Ray};
+use crate::embree::{BATCH, Hits, Ray};
 use crate::mode::{Lanes, Mode};
 use crate::scene::Scene;
 
@@ -14,7 +14,8 @@ pub fn seen_light<M: Mode>(
     tally: &mut Tally,
 ) -> [M::Light; BATCH] {
     tally.rays += BATCH as u64;
-    let hits = scene.stage.intersect_batch(rays, u8::MAX);
+    let mut hits = Hits::default();
+    scene.stage.intersect_batch(rays, u8::MAX, &mut hits);
     std::array::from_fn(|i| match scene.surface(&hits, i) {
         Some(surface) if surface.emitter != u32::MAX => scene.emitted(&surface, -rays[i].dir.dot(surface.ng), waves),
         Some(_) => M::Light::ZERO,

@@ -7,10 +7,11 @@ use arrayvec::ArrayVec;
 
 use super::direct::MOST_DRAWS_LOG2;
 use super::path::{Arrival, Path};
-use super::post::{Post, hand_out};
+use super::post::{Post, Viewers, hand_out};
 use super::throw::Find;
 use super::{Tactics, Tally};
-use crate::embree::{BATCH, Ray};
+use crate::embree::{BATCH, Hits, Ray};
+use crate::math::set_bits;
 use crate::mode::{Lanes, Mode};
 use crate::scene::Scene;
 
@@ -69,8 +70,9 @@ fn radiances_of_group<M: Mode>(
     walk(scene, tactics, paths, &mut posts, mirrored, tally);
 
     let mut gathered = [M::Light::ZERO; GROUP];
+    let viewers = Viewers::new(&posts);
     for (finder, path) in paths.iter().enumerate() {
-        hand_out(scene, &posts, finder, path, &mut gathered, tally);
+        hand_out(scene, (&posts, &viewers), finder, path, &mut gathered, tally);
     }
     for ((path, post), gathered) in paths.iter_mut().zip(&posts).zip(gathered) {
         path.radiance = post.own(path) + gathered;
@@ -89,6 +91,7 @@ fn walk<'s, M: Mode>(
     let (shadows, finds) = ([[Ray::NONE; GROUP]; DRAWS], [[Find::NOTHING; GROUP]; DRAWS]);
     let mut doubts = Doubts { shadows, finds, lanes: [0; DRAWS] };
     let mut rays = [Ray::NONE; GROUP];
+    let mut hits = Hits::default();
     let mut active = 0u8;
     for (i, path) in paths.iter().enumerate() {
         rays[i] = path.ray;
@@ -97,16 +100,15 @@ fn walk<'s, M: Mode>(
     while active != 0 {
         // Move every path to its next surface and on.
         tally.rays += u64::from(active.count_ones());
-        let hits = scene.stage.intersect_batch(&rays, active);
-        for (i, (path, post)) in paths.iter_mut().zip(&mut *posts).enumerate() {
-            if active >> i & 1 == 0 {
-                continue;
-            }
+        scene.stage.intersect_batch(&rays, active, &mut hits);
+        for i in set_bits(active) {
+            let (path, post) = (&mut paths[i], &mut posts[i]);
             let goes_on = match path.arrive(scene, scene.surface(&hits, i), tactics) {
                 Arrival::End => false,
                 Arrival::Through => true,
                 Arrival::At(surface, material, beyond) => {
-                    let mut vertex = path.vertex(scene, tactics, (surface, material), beyond);
+                    let mut vertex = path.vertex(scene, (surface, material), beyond);
+                    path.prepare(&mut vertex, tactics);
                     let kept = post.judge(&vertex, path);
                     if !mirrored.is_full() {
                         mirrored.extend(path.split(&mut vertex, tactics).map(|mirrored| (i, mirrored)));
@@ -140,10 +142,8 @@ fn walk<'s, M: Mode>(
         for draw in 0..DRAWS {
             let lanes = std::mem::take(&mut doubts.lanes[draw]);
             let hidden = scene.stage.occluded_batch(&doubts.shadows[draw], lanes);
-            for (i, (path, post)) in paths.iter_mut().zip(&mut *posts).enumerate() {
-                if (lanes & !hidden) >> i & 1 == 1 {
-                    post.add(doubts.finds[draw][i], path);
-                }
+            for i in set_bits(lanes & !hidden) {
+                posts[i].add(doubts.finds[draw][i], &mut paths[i]);
             }
         }
     }

@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3};
 
 use super::vertex::{Vertex, facing};
 use crate::embree::{BATCH, Hits, Ray};
-use crate::math::Sampler;
+use crate::math::{Sampler, set_bits};
 use crate::mode::{Lanes, Mode};
 use crate::scene::{Interior, Material, Scene};
 
@@ -87,13 +87,15 @@ impl<'s, M: Mode> Looker<'s, M> {
             Look { ray, interior, sampler, waves, throughput, sight, clue }
         });
         let mut active = ((1u32 << count) - 1) as u8;
+        let mut hits = Hits::default();
         for _ in 0..MAX_FOLLOWED {
             if active == 0 {
                 break;
             }
-            let hits = self.scene.stage.intersect_batch(&std::array::from_fn(|i| looks[i].ray), active);
-            for (i, look) in looks.iter_mut().enumerate() {
-                if active >> i & 1 == 1 && !self.follow(look, &hits, i) {
+            let rays: [Ray; BATCH] = std::array::from_fn(|i| looks[i].ray);
+            self.scene.stage.intersect_batch(&rays, active, &mut hits);
+            for i in set_bits(active) {
+                if !self.follow(&mut looks[i], &hits, i) {
                     active &= !(1 << i);
                 }
             }

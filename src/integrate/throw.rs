@@ -20,8 +20,8 @@ use super::guide::Guide;
 use super::vertex::Vertex;
 use super::{PathLimits, Tally};
 use crate::bsdf::{Bsdf, Pdf};
-use crate::embree::{BATCH, Ray};
-use crate::math::Sampler;
+use crate::embree::{BATCH, Hits, Ray};
+use crate::math::{Sampler, set_bits};
 use crate::mode::{Lanes, Mode};
 use crate::scene::{Aim, Camera, Interior, LampPoint, Scene, Shot, Surface, View};
 
@@ -153,6 +153,7 @@ impl Throw {
         let send = |number| LightPath::new(scene, &self.aim, Sampler::new(round, number, seed ^ SALT));
         let mut paths: ArrayVec<LightPath<M>, BATCH> = numbers.filter_map(send).collect();
         let (mut rays, mut shadows) = ([Ray::NONE; BATCH], [Ray::NONE; BATCH]);
+        let mut hits = Hits::default();
         let mut active = 0u8;
         for (i, path) in paths.iter().enumerate() {
             rays[i] = path.ray;
@@ -163,13 +164,11 @@ impl Throw {
                 break;
             }
             tally.rays += u64::from(active.count_ones());
-            let hits = scene.stage.intersect_batch(&rays, active);
+            scene.stage.intersect_batch(&rays, active, &mut hits);
             let mut landings = ArrayVec::<(usize, Landing<M>), BATCH>::new();
             let mut doubtful = 0;
-            for (i, path) in paths.iter_mut().enumerate() {
-                if active >> i & 1 == 0 {
-                    continue;
-                }
+            for i in set_bits(active) {
+                let path = &mut paths[i];
                 let goes_on = scene.surface(&hits, i).is_some_and(|surface| {
                     let Some(mut vertex) = path.arrive(scene, surface) else { return true };
                     if let Some((landing, way)) = self.land(scene, &vertex, path, tally) {

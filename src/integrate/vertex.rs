@@ -1,10 +1,11 @@
 //! A surface point with its scattering, ready for one step of a path.
 
 use glam::Vec3;
+use wide::{CmpGe, CmpGt, f32x8};
 
 use super::guide::{Guide, Leaf};
 use crate::bsdf::{Bsdf, BsdfSample};
-use crate::math::Frame;
+use crate::math::{Frame, Vec3x8};
 use crate::mode::Mode;
 use crate::scene::{Interior, Material, Scene, Surface};
 
@@ -117,6 +118,16 @@ impl<'s, M: Mode> Vertex<'s, M> {
     pub fn looks_the_same(&self, toward: Vec3) -> bool {
         let side = 1.0f32.copysign(self.wo.z);
         !self.bent && self.frame.normal.dot(toward) * side >= GRAZING && self.surface.ng.dot(toward) * side > 0.0
+    }
+
+    /// Which of eight viewers would, who look along these directions: bit i for viewer i.
+    #[inline]
+    pub fn looks_the_same_along(&self, directions: Vec3x8) -> u8 {
+        let facing = f32x8::splat(-1.0f32.copysign(self.wo.z));
+        let cos = Vec3x8::splat(self.frame.normal).dot(directions) * facing;
+        let cos_ng = Vec3x8::splat(self.surface.ng).dot(directions) * facing;
+        let same = cos.cmp_ge(f32x8::splat(GRAZING)) & cos_ng.cmp_gt(f32x8::ZERO);
+        if self.bent { 0 } else { same.move_mask() as u8 }
     }
 }
 

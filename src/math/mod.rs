@@ -1,6 +1,7 @@
-//! Shading frames, warps beside their densities, the sample stream, discrete distributions, Perlin noise.
+//! Shading frames, eight vectors at once, warps beside their densities, the sample stream, discrete distributions, Perlin noise.
 
 pub mod distribution;
+mod eight;
 mod frame;
 mod noise;
 mod sampler;
@@ -8,6 +9,7 @@ mod sobol;
 pub mod trigonometry;
 pub mod warp;
 
+pub use eight::{Vec3x8, set_bits};
 pub use frame::Frame;
 use glam::Vec3;
 pub use noise::perlin;

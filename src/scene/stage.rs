@@ -18,7 +18,7 @@ use super::surface::{Glow, Place, Surface};
 use super::texture::Texture;
 use crate::color::{Emission, Sensor};
 use crate::document::{self, Document};
-use crate::embree::{Accel, AccelBuilder, BATCH, Hits, Ray};
+use crate::embree::{Accel, AccelBuilder, Hits, Ray, Rays};
 
 pub struct Stage {
     pub(super) accel: Accel,
@@ -64,13 +64,13 @@ pub struct Pose {
 impl Stage {
     /// What the `active` rays (bit i for ray i) meet first, for [`Scene::surface`](super::Scene::surface).
     #[inline]
-    pub fn intersect_batch(&self, rays: &[Ray; BATCH], active: u8) -> Hits {
-        self.accel.intersect_batch(rays, active)
+    pub fn intersect_batch(&self, rays: impl Into<Rays>, active: u8, hits: &mut Hits) {
+        self.accel.intersect_batch(rays, active, hits);
     }
 
     /// Which of the `active` rays (bit i for ray i) meet any surface, whatever it is made of.
     #[inline]
-    pub fn occluded_batch(&self, rays: &[Ray; BATCH], active: u8) -> u8 {
+    pub fn occluded_batch(&self, rays: impl Into<Rays>, active: u8) -> u8 {
         self.accel.occluded_batch(rays, active)
     }
 

@@ -206,8 +206,14 @@ impl<'s> Surface<'s> {
     /// Where a ray leaving along `direction` may start without meeting this surface again.
     #[inline]
     pub fn leave(&self, direction: Vec3) -> Vec3 {
-        let offset = self.ng * self.error_m;
+        let offset = self.offset();
         if direction.dot(self.ng) >= 0.0 { self.position + offset } else { self.position - offset }
+    }
+
+    /// How far beside the surface rays start on its outward side.
+    #[inline]
+    pub fn offset(&self) -> Vec3 {
+        self.ng * self.error_m
     }
 
     /// The point in the object's own coordinates, where procedural thickness is defined.
