@@ -278,3 +278,15 @@ fn by_very_rough_glass_and_metal_onto_a_near_wall() {
     scene.sphere(Vec3::new(2.2, 1.0, 2.5), 0.8, shining(diffuse(0.0), 3.0));
     assert_found::<Rgb>(&scene, 6, 0.5);
 }
+
+/// The lamp is drawn at metal that is seen through frosted glass, and others look at what the metal reflects.
+#[test]
+fn by_metal_behind_frosted_glass() {
+    let mut scene = corner();
+    scene.sphere(Vec3::new(0.3, 1.1, 2.0), 0.5, glass(1.1, 0.3));
+    let facing = Mat4::from_translation(Vec3::new(0.3, 1.0, -0.3)) * Mat4::from_rotation_x(0.93);
+    scene.geometry(facing, quad(0.7), metal(0.2, 3.0, 0.1));
+    scene.sphere(Vec3::new(-0.9, 0.5, 0.3), 0.4, glass(1.5, 0.0));
+    lamp(&mut scene, 0.5);
+    assert_found::<Rgb>(&scene, 6, 1.0);
+}

@@ -222,6 +222,15 @@ impl<M: Mode> Path<M> {
         self.thrown.iter().fold(self.radiance, |sum, find| sum + find.weighed(footprint))
     }
 
+    /// Light that the path has found so far, which it forgets.
+    #[inline]
+    pub(super) fn take_found(&mut self) -> M::Light {
+        let found = self.found(self.footprint);
+        self.radiance = M::Light::ZERO;
+        self.thrown.clear();
+        found
+    }
+
     /// The surface that the path is at, ready to scatter; to be [prepared](Path::prepare).
     #[inline]
     pub(super) fn vertex<'s>(

@@ -121,7 +121,7 @@ impl<'s, M: Mode> Post<'s, M> {
                 }
                 path.importance *= path.throughput.max();
                 path.throughput = M::Light::ONE;
-                self.radiance = std::mem::replace(&mut path.radiance, M::Light::ZERO);
+                self.radiance = path.take_found();
                 self.turning = kept == Kept::Glossy;
                 kept
             }
