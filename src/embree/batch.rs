@@ -149,6 +149,17 @@ mod tests {
     use super::*;
     use crate::embree::AccelBuilder;
 
+    #[test]
+    fn eight_rays_between_points_are_those_of_one() {
+        let from: [Vec3; BATCH] = std::array::from_fn(|i| Vec3::new(0.1, 0.7, -0.3) * i as f32);
+        let to = Vec3::new(1.3, -0.2, 2.9);
+        let eight = Rays::between(from.into(), Vec3x8::splat(to)).0;
+        let single = Rays::from(&from.map(|from| Ray::between(from, to))).0;
+        assert_eq!((eight.org_x, eight.org_y, eight.org_z), (single.org_x, single.org_y, single.org_z));
+        assert_eq!((eight.dir_x, eight.dir_y, eight.dir_z), (single.dir_x, single.dir_y, single.dir_z));
+        assert_eq!((eight.tnear, eight.tfar), (single.tnear, single.tfar));
+    }
+
     /// As for a single ray: Embree writes the whole struct of its own build.
     #[test]
     fn a_batch_leaves_the_bytes_around_it_untouched() {

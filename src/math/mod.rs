@@ -1,4 +1,5 @@
-//! Shading frames, eight vectors at once, warps beside their densities, the sample stream, discrete distributions, Perlin noise.
+//! Shading frames, eight vectors at once, warps beside their densities, the sample stream, discrete distributions, Perlin
+//! noise.
 
 pub mod distribution;
 mod eight;
