@@ -5,14 +5,14 @@ use std::sync::Arc;
 
 use glam::{Mat4, Vec2, Vec3};
 use pellicle::document::{
-    AreaShape, Base, Falloff, Group, Lens, LightKind, Material, Mesh, Presence, Projection, Scalar, Shape,
+    AreaShape, Base, Falloff, Group, Lens, LightKind, Material, Mesh, Presence, Projection, Scalar, Shape, SpotEdge,
 };
 use pellicle::embree::Ray;
 use pellicle::integrate::{PathLimits, Strategy};
-use pellicle::math::Sampler;
-use pellicle::mode::{Mode, Rgb, Spectral};
+use pellicle::math::{Sampler, warp};
+use pellicle::mode::{Lanes, Mode, Rgb, Spectral};
 use pellicle::render::Frame;
-use pellicle::scene::{Aim, FilmOptions, Scene, Stage};
+use pellicle::scene::{Aim, FilmOptions, Lamp, Scene, Stage};
 
 use crate::statistics::{normal_tail, sidak};
 use crate::transport::{Builder, coated, diffuse, glass, mean, metal, quad, shining};
@@ -210,20 +210,23 @@ fn shots_have_the_density_that_their_lamps_are_asked_for() {
         let Some(shot) = aim.shoot(&scene, u, &waves) else { continue };
         let Some(met) = scene.intersect(&shot.ray).filter(|met| met.place.number == shot.place) else { continue };
         let back = Ray::new(met.leave(-shot.ray.dir), -shot.ray.dir);
-        let (radiance, density) = match scene.intersect(&back) {
+        let (radiance, lamp) = match scene.intersect(&back) {
             // Rays that graze either are known less well.
             Some(lamp) if lamp.place.number == shot.place || shot.ray.dir.dot(lamp.ng) < 0.1 => continue,
             Some(lamp) => {
                 near += 1;
                 let cos = shot.ray.dir.dot(lamp.ng);
-                (scene.emitted(&lamp, cos, &waves), aim.density(&scene, shot.place, &lamp.lamp(), shot.ray.dir))
+                (scene.emitted(&lamp, cos, &waves), Lamp::Surface(lamp.lamp()))
             }
             None => {
                 far += 1;
-                aim.from_afar(&scene, shot.place, back.dir, &waves)
+                let mut sky = <Rgb as Mode>::Light::ZERO;
+                scene.escape(met.position, back.dir, &waves, |light, _| sky += light);
+                (sky, Lamp::Beyond)
             }
         };
-        assert_eq!(radiance, shot.radiance);
+        assert_eq!(radiance, shot.light);
+        let density = aim.density(&scene, shot.place, met.position, &lamp, back.dir, &waves);
         assert!((density / shot.density - 1.0).abs() < 2e-3, "{density} for {}", shot.density);
     }
     assert!(near > 200 && far > 200, "{near} {far}");
@@ -289,4 +292,81 @@ fn by_metal_behind_frosted_glass() {
     scene.sphere(Vec3::new(-0.9, 0.5, 0.3), 0.4, glass(1.5, 0.0));
     lamp(&mut scene, 0.5);
     assert_found::<Rgb>(&scene, 6, 1.0);
+}
+
+/// What a lamp of this kind throws into the corner by a glass ball and a mirror above the view.
+fn from_above(kind: LightKind, at: Mat4, color: f32) -> Frame {
+    let mut scene = corner();
+    scene.sphere(Vec3::new(-0.5, 3.3, 0.3), 0.5, glass(1.5, 0.0));
+    scene.geometry(Mat4::from_translation(Vec3::new(0.9, 3.2, 0.2)), tilted(0.5, 0.7), metal(0.2, 3.0, 0.0));
+    scene.light(at, kind, Vec3::splat(color));
+    scene.render_in::<Rgb>(SIZE, 512, PathLimits { max_bounces: 6, strategy: Strategy::Shared }, 0)
+}
+
+fn spot(cone_deg: f32, falloff: Falloff) -> LightKind {
+    LightKind::Spot { cone_deg, edge: SpotEdge::Exponent(0.0), radius_m: 0.0, falloff }
+}
+
+/// Points throw light as small balls do, which camera paths find, too; spots as points, into their cone.
+#[test]
+fn by_points_and_spots() {
+    let point = |radius_m| LightKind::Point { radius_m, falloff: Falloff::Physical };
+    let at = Mat4::from_translation(Vec3::new(0.3, 5.0, 1.2)) * Mat4::from_rotation_x(-1.2);
+    let by_point = from_above(point(0.0), at, 8.0);
+    assert_same_blocks(&by_point, &from_above(point(0.02), at, 8.0));
+    assert_same_blocks(&by_point, &from_above(spot(150.0, Falloff::Physical), at, 8.0));
+}
+
+/// Rough surfaces draw such a lamp, which is and light paths come from there, too.
+#[test]
+fn by_frosted_glass_and_nearly_smooth_metal_under_points() {
+    let mut scene = corner();
+    scene.sphere(Vec3::new(-0.5, 0.6, 0.3), 0.5, glass(1.5, 0.1));
+    scene.sphere(Vec3::new(0.8, 0.5, 0.0), 0.5, metal(0.2, 3.0, 0.03));
+    let at = Mat4::from_translation(Vec3::new(0.6, 3.0, 0.3));
+    scene.light(at, LightKind::Point { radius_m: 0.0, falloff: Falloff::Physical }, Vec3::splat(3.0));
+    let slanting = Mat4::from_rotation_y(0.2) * Mat4::from_rotation_x(-1.2);
+    scene.light(slanting, LightKind::Directional { angle_deg: 0.0 }, Vec3::splat(0.5));
+    let linear = Falloff::Attenuation { constant: 0.2, linear: 0.5, quadratic: 0.1 };
+    let down = Mat4::from_translation(Vec3::new(-0.2, 3.0, 0.3)) * Mat4::from_rotation_x(-FRAC_PI_2);
+    scene.light(down, spot(40.0, linear), Vec3::splat(1.0));
+    assert_found::<Rgb>(&scene, 6, 1.2);
+}
+
+/// A narrow beam shines on a large ball and nothing else, and not on its middle.
+#[test]
+fn by_a_spot_beside_the_middle() {
+    let at = Mat4::from_translation(Vec3::new(-0.25, 6.0, 0.3)) * Mat4::from_rotation_x(-FRAC_PI_2);
+    let physical = from_above(spot(8.0, Falloff::Physical), at, 8.0);
+    let brightest = physical.rgb.iter().map(|rgb| rgb[1]).fold(0.0, f32::max);
+    assert!(brightest > 0.02, "{brightest}");
+
+    // It fades as it will until it is thrown, here after 2.2 to 2.5 m.
+    let linear = Falloff::Attenuation { constant: 0.0, linear: 1.0, quadratic: 0.0 };
+    let ratio = mean(&from_above(spot(8.0, linear), at, 8.0)).0 / mean(&physical).0;
+    assert!((2.2..2.5).contains(&ratio), "{ratio}");
+}
+
+#[test]
+fn by_parallel_light() {
+    let sun = |angle_deg| LightKind::Directional { angle_deg };
+    let at = Mat4::from_rotation_y(0.4) * Mat4::from_rotation_x(-1.2);
+    assert_same_blocks(&from_above(sun(0.0), at, 1.0), &from_above(sun(0.4), at, 1.0));
+}
+
+/// Rays from far away that a ball refracts do not meet it again where they are.
+#[test]
+fn balls_far_from_where_rays_begin() {
+    let mut scene = Builder::seen_from(Vec3::new(0.0, 0.0, 4.0), 45.0);
+    scene.sphere(Vec3::ZERO, 0.7, glass(1.5, 0.0));
+    let stage = Arc::new(Stage::new(&scene.0, 1).unwrap());
+    let scene = Scene::<Rgb>::new(stage, &FilmOptions { tolerance: 0.01, rung: None }).unwrap();
+    for index in 0..2000 {
+        let [x, y, ..] = Sampler::new(0, index, 3).next_4d();
+        let on_disc = 0.69 * warp::square_to_disk([x, y]);
+        let met = scene.intersect(&Ray::new(on_disc.extend(50.0), Vec3::NEG_Z)).unwrap();
+        let inward = Ray::new(met.leave(Vec3::NEG_Z), Vec3::NEG_Z);
+        let next = scene.intersect(&inward).unwrap();
+        assert!(next.position.z < 0.0, "{on_disc}: {} and {}", met.position, next.position);
+    }
 }

@@ -178,7 +178,7 @@ enum RungArg {
 
 #[derive(Clone, Copy, ValueEnum)]
 enum StrategyArg {
-    /// As `mis`, and neighbouring pixels look at what each other's paths found, where a pilot finds that it pays
+    /// As `mis`, and neighbouring pixels look at what each other's paths found, and paths begin at lamps, where it pays
     Shared,
     /// Light and surface sampling, weighted
     Mis,

@@ -55,6 +55,10 @@ pub fn load<'a>(loader: &mut Loader<'a>, light: Element<'a>) -> Result<LoadedLig
     }
     if let Some(given) = profile.radius_m {
         match &mut kind {
+            LightKind::Point { falloff: Falloff::Attenuation { .. }, .. } => {
+                let advice = "it is ignored: a lamp with a size falls off with 1/d^2";
+                loader.warnings.add(light, "`radius_m` of a point light with attenuation", advice);
+            }
             LightKind::Point { radius_m, .. } | LightKind::Spot { radius_m, .. } => *radius_m = given,
             _ => loader.warnings.add(light, "`radius_m` of a light that is neither point nor spot", "it is ignored"),
         }

@@ -92,14 +92,11 @@ pub(super) fn direct_light<M: Mode>(
     let arriving = arriving * passed * (weight / pdf);
 
     // Ask how likely light paths are to bring the same.
-    let density = match throw.filter(|_| !sample.alone && vertex.throws(sample.wi, false)) {
-        Some(throw) => {
-            let lamp = sample.lamp(emitter, at);
-            let thrower = Thrower { place: vertex.surface.place.number, at, pdf: scatter_pdf };
-            throw.density(scene, &thrower, lamp.as_ref(), sample.wi, waves)
-        }
-        None => 0.0,
-    };
+    let thrown = throw.filter(|_| vertex.throws(sample.wi, false)).zip(sample.lamp(emitter, at));
+    let density = thrown.map_or(0.0, |(throw, lamp)| {
+        let thrower = Thrower { place: vertex.surface.place.number, at, pdf: scatter_pdf };
+        throw.density(scene, &thrower, &lamp, sample.wi, waves)
+    });
     let find = Find { light: value * arriving, density };
     Direct { find, wi, arriving, shadow: (!scene.lets_through()).then_some(shadow) }
 }

@@ -13,7 +13,7 @@ use crate::bsdf::{Bsdf, BsdfSample, Pdf};
 use crate::embree::Ray;
 use crate::math::Sampler;
 use crate::mode::{Lanes, Mode};
-use crate::scene::{Interior, LampPoint, Material, Scene, Surface};
+use crate::scene::{Interior, Lamp, Material, Scene, Surface};
 
 /// Surfaces that one path may pass straight through.
 const MAX_THROUGH: u32 = 256;
@@ -141,7 +141,7 @@ impl<M: Mode> Path<M> {
             scene.escape(from, self.ray.dir, &self.waves, |light, light_pdf| {
                 sky += light * hit_weight(scattered.map(|(_, pdf)| (pdf, light_pdf)), limits);
             });
-            let density = self.thrown_density(scene, tactics, None);
+            let density = self.thrown_density(scene, tactics, &Lamp::Beyond);
             self.run_into(sky, density);
             return Arrival::End;
         };
@@ -156,7 +156,7 @@ impl<M: Mode> Path<M> {
             if !light.is_black() {
                 let (lights, lamp) = (&scene.stage.lights, surface.lamp());
                 let densities = self.scattered.map(|(from, pdf)| (pdf, lights.surface_pdf(from, &lamp)));
-                let density = self.thrown_density(scene, tactics, Some(&lamp));
+                let density = self.thrown_density(scene, tactics, &Lamp::Surface(lamp));
                 self.run_into(light * hit_weight(densities, limits), density);
             }
         }
@@ -184,9 +184,9 @@ impl<M: Mode> Path<M> {
         Arrival::Through
     }
 
-    /// [`Find::density`] of what lies at the end of the ray: a lamp, or what is beyond the scene.
+    /// [`Find::density`] of what lies at the end of the ray.
     #[inline]
-    fn thrown_density(&self, scene: &Scene<M>, tactics: &Tactics, lamp: Option<&LampPoint>) -> f32 {
+    fn thrown_density(&self, scene: &Scene<M>, tactics: &Tactics, lamp: &Lamp) -> f32 {
         match (&tactics.throw, &self.thrower) {
             (Some(throw), Some(thrower)) if self.reversible => {
                 throw.density(scene, thrower, lamp, self.ray.dir, &self.waves)

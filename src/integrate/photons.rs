@@ -44,8 +44,9 @@ pub(super) fn trace<M: Mode>(scene: &Scene<M>, aim: &Aim, count: u32) -> Vec<Pho
         let [u_wave, ..] = sampler.next_4d();
         let waves = M::waves(u_wave);
         let u = [sampler.next_4d(), sampler.next_4d()];
-        let Shot { ray, radiance, density, .. } = aim.shoot(scene, u, &waves)?;
-        Some(follow(scene, ray, radiance.mean() / (density * count as f32), sampler, &waves))
+        let Shot { ray, light, density, lamp, .. } = aim.shoot(scene, u, &waves)?;
+        // Camera paths cannot run into the others, wherever they look.
+        (!lamp.is_singular()).then(|| follow(scene, ray, light.mean() / (density * count as f32), sampler, &waves))
     };
     let counts = |photon: &Photon| {
         photon.power > 0.0 && photon.power.is_finite() && (photon.direct + photon.indirect).is_finite()

@@ -9,6 +9,9 @@
 //! found well. Camera paths may draw the lamp at a rough thrower, too; a thrower is the last before the lamp in all three ways.
 //! The ratio of their densities is taken to be that of the ends alone: along smooth surfaces flux keeps its spread in area and
 //! direction, matte ones scatter alike both ways, and rough ones nearly so. Means are kept as all use the same ratio.
+//!
+//! Lamps without extent (points, spots, parallel light) are drawn, but no camera path runs into them: what smooth surfaces throw
+//! of them comes by light paths alone, and whole.
 
 use std::f32::consts::PI;
 use std::ops::Range;
@@ -23,7 +26,7 @@ use crate::bsdf::{Bsdf, Pdf};
 use crate::embree::{BATCH, Hits, Ray};
 use crate::math::{Sampler, set_bits};
 use crate::mode::{Lanes, Mode};
-use crate::scene::{Aim, Camera, Interior, LampPoint, Scene, Shot, Surface, View};
+use crate::scene::{Aim, Camera, Interior, Lamp, Scene, Shot, Surface, View};
 
 /// Surfaces that a light path may meet.
 const MAX_SURFACES: u32 = 64;
@@ -51,7 +54,7 @@ pub struct Throw {
 pub struct Landing<M: Mode> {
     pub at: Vec2,
     pub radiance: M::Light,
-    /// Density of the path in relation to that of a camera path that finds the same.
+    /// Density of the path in relation to that of a camera path that finds the same; infinite where none does.
     pub share: f32,
     pub waves: M::Waves,
     /// For whoever needs to choose a pixel.
@@ -78,18 +81,20 @@ pub(super) struct Thrower {
 }
 
 impl Thrower {
-    /// Of light that comes from a lamp (none: from beyond the scene) in direction `toward`, the share that camera paths are to
-    /// find by running into it, as against drawing it.
-    fn share_of_hits<M: Mode>(&self, scene: &Scene<M>, lamp: Option<&LampPoint>, toward: Vec3) -> f32 {
-        if self.pdf.is_infinite() {
-            return 1.0;
-        }
+    /// How likely camera paths that come here are to be scattered towards a lamp in direction `toward`, over how likely they are
+    /// to find it, by running into it or drawing it; infinite where they cannot.
+    fn scattered_per_find<M: Mode>(&self, scene: &Scene<M>, lamp: &Lamp, toward: Vec3) -> f32 {
         let lights = &scene.stage.lights;
+        if self.pdf.is_infinite() {
+            return if lamp.is_singular() { f32::INFINITY } else { 1.0 };
+        }
         let drawn = match lamp {
-            Some(lamp) => lights.surface_pdf(self.at, lamp),
-            None => lights.distant_pdf(self.at, toward),
+            Lamp::Surface(lamp) => lights.surface_pdf(self.at, lamp),
+            Lamp::Point { emitter, .. } | Lamp::Parallel { emitter } => lights.probability(self.at, *emitter),
+            Lamp::Beyond => lights.distant_pdf(self.at, toward),
         };
-        if self.pdf > 0.0 { self.pdf / (self.pdf + drawn) } else { 0.0 }
+        let hit = if lamp.is_singular() { 0.0 } else { self.pdf };
+        if self.pdf > 0.0 { self.pdf / (hit + drawn) } else { 0.0 }
     }
 }
 
@@ -109,6 +114,11 @@ impl Throw {
         Some(Self { aim: Aim::new(scene)?, camera: camera.clone(), guide: None, count })
     }
 
+    /// True where there is light that camera paths cannot find, whatever they cost.
+    pub fn is_needed(&self) -> bool {
+        self.aim.has_singular_lamps()
+    }
+
     /// Learns from photons where to look for what light paths cannot bring.
     pub fn send_photons<M: Mode>(&mut self, scene: &Scene<M>) {
         self.guide = Guide::new(scene, &self.aim, (self.count / PATHS_PER_PHOTON).min(MAX_PHOTONS));
@@ -125,20 +135,17 @@ impl Throw {
         self.count as f32 * PI * seen.pixel_m2 / cos.max(1e-6)
     }
 
-    /// [`Find::density`] of light from a lamp (none: from beyond the scene) in direction `toward`, sent on by a thrower.
+    /// [`Find::density`] of light from a lamp in direction `toward`, sent on by a thrower.
     pub(super) fn density<M: Mode>(
         &self,
         scene: &Scene<M>,
         thrower: &Thrower,
-        lamp: Option<&LampPoint>,
+        lamp: &Lamp,
         toward: Vec3,
         waves: &M::Waves,
     ) -> f32 {
-        let density = match lamp {
-            Some(lamp) => self.aim.density(scene, thrower.place, lamp, -toward),
-            None => self.aim.from_afar(scene, thrower.place, toward, waves).1,
-        };
-        if density > 0.0 { density * thrower.share_of_hits(scene, lamp, toward) } else { 0.0 }
+        let density = self.aim.density(scene, thrower.place, thrower.at, lamp, toward, waves);
+        if density > 0.0 { density * thrower.scattered_per_find(scene, lamp, toward) } else { 0.0 }
     }
 
     /// Follows up to [`BATCH`] light paths of a round, by their numbers, and tells `land` what they bring.
@@ -176,7 +183,7 @@ impl Throw {
                         shadows[i] = way;
                         doubtful |= u8::from(!scene.lets_through()) << i;
                     }
-                    path.send_on(scene, &mut vertex, limits)
+                    path.send_on(scene, &mut vertex, (self, limits))
                 });
                 rays[i] = path.ray;
                 if !goes_on {
@@ -202,7 +209,12 @@ impl Throw {
         tally: &mut Tally,
     ) -> Option<(Landing<M>, Ray)> {
         let footprint = self.footprint(vertex);
-        if path.bounce == 0 || footprint == 0.0 {
+        let share = match path.is_unrivalled() {
+            true if footprint > 0.0 || vertex.is_broad_metal() && !vertex.bent => f32::INFINITY,
+            true => 0.0,
+            false => footprint * path.density,
+        };
+        if path.bounce == 0 || share == 0.0 {
             return None;
         }
         let [u_lens_x, u_lens_y, u_x, u_y] = path.sampler.next_4d();
@@ -210,8 +222,8 @@ impl Throw {
             self.camera.see(vertex.surface.position, [u_lens_x, u_lens_y])?;
         let local = vertex.local(toward).filter(|_| vertex.looks_the_same(toward))?;
         let (value, _) = vertex.bsdf.eval(vertex.wo, local, &path.waves);
-        let share = footprint * path.density;
-        let weight = share / (1.0 + share) * vertex.adjoint(toward) / (pixel_m2 * self.count as f32);
+        let caught = if share.is_finite() { share / (1.0 + share) } else { 1.0 };
+        let weight = caught * vertex.adjoint(toward) / (pixel_m2 * self.count as f32);
         let mut radiance = path.power * value * weight;
         let way = Ray { tfar: distance_m, ..Ray::new(vertex.surface.leave(toward), toward) };
         if scene.lets_through() {
@@ -230,13 +242,13 @@ struct LightPath<M: Mode> {
     interior: Interior,
     waves: M::Waves,
     sampler: Sampler,
-    /// Radiance over the density of all that was drawn.
+    /// W: light over the density of all that was drawn.
     power: M::Light,
-    /// [`Find::density`] of what it brings.
-    density: f32,
     /// Where it comes from and the place that it was aimed at.
-    lamp: Option<LampPoint>,
+    lamp: Lamp,
     place: u32,
+    /// [`Find::density`] of what it brings, once it has been thrown.
+    density: f32,
     bounce: u32,
     rough_throwers: u32,
     /// For the surface and its holes.
@@ -248,10 +260,15 @@ impl<M: Mode> LightPath<M> {
         let [u_wave, ..] = sampler.next_4d();
         let waves = M::waves(u_wave);
         let u = [sampler.next_4d(), sampler.next_4d()];
-        let Shot { ray, interior, radiance, density, place, lamp } = aim.shoot(scene, u, &waves)?;
-        let power = radiance * (1.0 / density);
+        let Shot { ray, interior, light, density, place, lamp } = aim.shoot(scene, u, &waves)?;
+        let (power, density) = (light * (1.0 / density), 0.0);
         let (bounce, rough_throwers, u_surface) = (0, 0, [0.0; 4]);
-        Some(Self { ray, interior, waves, sampler, power, density, lamp, place, bounce, rough_throwers, u_surface })
+        Some(Self { ray, interior, waves, sampler, power, lamp, place, density, bounce, rough_throwers, u_surface })
+    }
+
+    /// True where no camera path finds what it brings: a smooth surface threw light of a lamp without extent.
+    fn is_unrivalled(&self) -> bool {
+        self.density.is_infinite()
     }
 
     /// Takes the path to what its ray met: the vertex there, or nothing where it goes through a hole.
@@ -272,7 +289,7 @@ impl<M: Mode> LightPath<M> {
     }
 
     /// Samples the surface; false where the path ends.
-    fn send_on(&mut self, scene: &Scene<M>, vertex: &mut Vertex<M>, limits: &PathLimits) -> bool {
+    fn send_on(&mut self, scene: &Scene<M>, vertex: &mut Vertex<M>, (throw, limits): (&Throw, &PathLimits)) -> bool {
         let [u_x, u_y, u_lobe, _] = self.u_surface;
         let u = [u_lobe, u_x, u_y];
         let Some(sample) = vertex.sample_thrown(self.bounce == 0, u, &self.waves) else { return false };
@@ -282,11 +299,13 @@ impl<M: Mode> LightPath<M> {
             self.power *= sample.weight;
         } else {
             let toward = -self.ray.dir;
-            let aimed = self.bounce > 0
-                || vertex.throws(toward, sample.pdf == Pdf::Delta) && vertex.surface.place.number == self.place;
+            let is_smooth = sample.pdf == Pdf::Delta;
+            let throws = vertex.throws(toward, is_smooth) || is_smooth && self.lamp.is_singular();
+            let aimed = self.bounce > 0 || throws && vertex.surface.place.number == self.place;
             let same_side = wi.dot(vertex.surface.ng) * sample.wi.z > 0.0;
-            self.rough_throwers += u32::from(vertex.is_thrower() && sample.pdf != Pdf::Delta);
-            if !aimed || !same_side || !vertex.is_reversible() || self.rough_throwers > MOST_ROUGH {
+            self.rough_throwers += u32::from(vertex.is_thrower() && !is_smooth);
+            let is_followed = vertex.is_reversible() || self.is_unrivalled() && !vertex.bent;
+            if !aimed || !same_side || !is_followed || self.rough_throwers > MOST_ROUGH {
                 return false;
             }
             if self.bounce == 0 {
@@ -296,7 +315,10 @@ impl<M: Mode> LightPath<M> {
                     Pdf::Delta | Pdf::Through(_) => f32::INFINITY,
                 };
                 let thrower = Thrower { place: self.place, at: vertex.surface.position, pdf };
-                self.density *= thrower.share_of_hits(scene, self.lamp.as_ref(), toward);
+                self.density = throw.density(scene, &thrower, &self.lamp, toward, &self.waves);
+                if let Lamp::Point { emitter, position } = self.lamp {
+                    self.power = self.power * scene.stage.lights.gain(emitter, position.distance(thrower.at));
+                }
             }
             self.bounce += 1;
             if self.bounce >= limits.max_bounces {

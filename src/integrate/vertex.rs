@@ -72,10 +72,16 @@ impl<'s, M: Mode> Vertex<'s, M> {
     #[inline]
     pub fn is_thrower(&self) -> bool {
         match &self.bsdf {
-            Bsdf::Conductor(bsdf) => !bsdf.microfacets.is_broad(),
+            Bsdf::Conductor(_) => !self.is_broad_metal(),
             Bsdf::Dielectric(_) => true,
             Bsdf::Black | Bsdf::Diffuse(_) | Bsdf::CoatedDiffuse(_) => false,
         }
+    }
+
+    /// True on very rough metal.
+    #[inline]
+    pub fn is_broad_metal(&self) -> bool {
+        matches!(&self.bsdf, Bsdf::Conductor(bsdf) if bsdf.microfacets.is_broad())
     }
 
     /// True where light may be followed in either direction by the same rules.

@@ -75,7 +75,8 @@ pub fn tactics<M: Mode>(scene: &Scene<M>, camera: &Camera, plan: &Plan) -> Tacti
     // Follow light paths where they find light sooner, and as many as serve best.
     if let Some(throw) = &mut tactics.throw {
         let [light_paths, finds] = Cost::of_light_paths(scene, plan, throw, (&groups, &weights), pixels);
-        match camera.best_with(&light_paths, &finds) {
+        let finds = Some(finds).filter(|_| !throw.is_needed());
+        match camera.best_with(&light_paths, finds.as_ref()) {
             Some((log2, cost)) => {
                 throw.send_photons(scene);
                 throw.count = (throw.count >> log2).max(1);
@@ -147,7 +148,8 @@ fn weights(trials: &[Trial]) -> Vec<f32> {
     };
     let means: Vec<f32> = trials.iter().map(mean).collect();
     let whole = means.iter().sum::<f32>() / means.len() as f32;
-    means.iter().map(|mean| 1.0 / (mean + DARK * whole).max(f32::MIN_POSITIVE)).collect()
+    // In the dark all count alike.
+    means.iter().map(|mean| if whole > 0.0 { 1.0 / (mean + DARK * whole) } else { 1.0 }).collect()
 }
 
 /// What some trials cost.
@@ -197,7 +199,9 @@ impl Cost {
                 let weight = weight_at(landing.at);
                 cost.add_error(error2, weight);
                 // So many times as rare, and as much brighter.
-                finds.add_error(error2 * (1.0 + landing.share).powi(2) / landing.share, weight);
+                if landing.share.is_finite() {
+                    finds.add_error(error2 * (1.0 + landing.share).powi(2) / landing.share, weight);
+                }
             });
         }
         cost.work = LIGHT_PATH_COST * (tally.rays + tally.shadow_rays) as f64;
@@ -223,12 +227,12 @@ impl Cost {
     }
 
     /// By which power of two fewer `light_paths` serve best besides this, and what they cost; `None` where the `finds` of
-    /// camera paths in their place serve as well.
-    fn best_with(&self, light_paths: &Self, finds: &Self) -> Option<(u32, Self)> {
+    /// camera paths in their place, if there are any, serve as well.
+    fn best_with(&self, light_paths: &Self, finds: Option<&Self>) -> Option<(u32, Self)> {
         let fewer = (0..=FEWEST_LIGHT_PATHS_LOG2).map(|log2| (log2, light_paths.of_fewer(log2)));
         let product = |light: &Self| self.with(light).product();
         let best = fewer.min_by(|a, b| product(&a.1).total_cmp(&product(&b.1)));
-        best.filter(|(_, light)| product(light) < product(finds) * WORTHWHILE)
+        best.filter(|(_, light)| finds.is_none_or(|finds| product(light) < product(finds) * WORTHWHILE))
     }
 
     /// Of both together.
@@ -282,11 +286,12 @@ mod tests {
     fn light_paths_are_followed_where_they_pay_and_as_many_as_do() {
         let cost = |variance: f64, work: f64| Cost { absolute: variance, relative: variance, work };
         let (camera, useless) = (cost(1.0, 1000.0), cost(0.0, 300.0));
-        assert!(camera.best_with(&useless, &cost(1e-3, 0.0)).is_none());
+        assert!(camera.best_with(&useless, Some(&cost(1e-3, 0.0))).is_none());
+        assert!(camera.best_with(&useless, None).is_some());
         // Rare finds are not to be had by luck.
         let rare = cost(1e3, 0.0);
         for (variance, fewer) in [(1.0, 0), (0.3, 0), (0.05, 1), (0.01, 2), (1e-6, FEWEST_LIGHT_PATHS_LOG2)] {
-            let best = camera.best_with(&cost(variance, 300.0), &rare).map(|(log2, _)| log2);
+            let best = camera.best_with(&cost(variance, 300.0), Some(&rare)).map(|(log2, _)| log2);
             assert_eq!(best, Some(fewer), "{variance}");
         }
     }

@@ -100,11 +100,41 @@ pub struct LightSample {
 }
 
 impl LightSample {
-    /// The point of a shining surface that was drawn for `from` on this emitter; `None` beyond the scene.
+    /// Where it comes from, having been drawn for `from` on this emitter; `None` on a surface that no ray can hit.
     #[inline]
-    pub fn lamp(&self, emitter: u32, from: Vec3) -> Option<LampPoint> {
+    pub fn lamp(&self, emitter: u32, from: Vec3) -> Option<Lamp> {
         let position = from + self.wi * self.distance_m;
-        self.distance_m.is_finite().then_some(LampPoint { emitter, position, ng: self.ng })
+        match (self.alone, self.distance_m.is_finite()) {
+            (true, true) => (self.ng == Vec3::ZERO).then_some(Lamp::Point { emitter, position }),
+            (true, false) => Some(Lamp::Parallel { emitter }),
+            (false, true) => Some(Lamp::Surface(LampPoint { emitter, position, ng: self.ng })),
+            (false, false) => Some(Lamp::Beyond),
+        }
+    }
+}
+
+/// Where light comes from; numbers of emitters are those of [`Lights`](super::Lights).
+#[derive(Clone, Copy)]
+pub enum Lamp {
+    Surface(LampPoint),
+    /// Without a surface: a point, or one of the disc that a spot shines from.
+    Point {
+        emitter: u32,
+        position: Vec3,
+    },
+    /// From a single direction.
+    Parallel {
+        emitter: u32,
+    },
+    /// Skies and suns: all that lie in a direction.
+    Beyond,
+}
+
+impl Lamp {
+    /// True where no ray can run into it.
+    #[inline]
+    pub fn is_singular(&self) -> bool {
+        matches!(self, Self::Point { .. } | Self::Parallel { .. })
     }
 }
 
@@ -164,6 +194,39 @@ impl Emitter {
         }
     }
 
+    /// True for what shines from points or in a single direction: no ray can run into it.
+    pub(super) fn is_singular(&self) -> bool {
+        matches!(self, Self::Point { .. } | Self::Spot(_) | Self::Directional { one_minus_cos: 0.0, .. })
+    }
+
+    /// A point that it shines from, if it has no surface.
+    pub(super) fn point(&self, u: [f32; 2]) -> Option<Vec3> {
+        match self {
+            Self::Point { position, .. } => Some(*position),
+            Self::Spot(spot) => Some(spot.on_disc(u)),
+            _ => None,
+        }
+    }
+
+    /// What a point sends into a direction: W/sr, times what [`attenuation`] makes of it.
+    pub(super) fn intensity(&self, dir: Vec3) -> Option<Source> {
+        match self {
+            Self::Point { intensity, .. } => Some(*intensity),
+            Self::Spot(spot) => Some(spot.intensity.scaled(spot.edge_factor(dir.dot(spot.axis)))),
+            _ => None,
+        }
+    }
+
+    /// What its light is more or less at a distance than if it faded with the square.
+    pub(super) fn gain(&self, distance_m: f32) -> f32 {
+        match self {
+            Self::Point { falloff, .. } | Self::Spot(Spot { falloff, .. }) => {
+                attenuation(*falloff, distance_m) * distance_m * distance_m
+            }
+            _ => 1.0,
+        }
+    }
+
     pub(super) fn sample(&self, from: Vec3, u: [f32; 2]) -> Option<LightSample> {
         match self {
             Self::Triangle(triangle) => triangle.sample(from, u),
@@ -174,8 +237,7 @@ impl Emitter {
                 Some(LightSample { wi, distance_m, light, pdf: 1.0, alone: true, ng: Vec3::ZERO })
             }
             Self::Spot(spot) => {
-                let on_disk = square_to_disk(u).extend(0.0) * spot.radius_m;
-                let (wi, distance_m) = toward(from, spot.position + Frame::new(spot.axis).to_world(on_disk))?;
+                let (wi, distance_m) = toward(from, spot.on_disc(u))?;
                 let edge = spot.edge_factor(-wi.dot(spot.axis));
                 let strength = edge * attenuation(spot.falloff, distance_m);
                 let light = LightAt::Radiance(spot.intensity.scaled(strength));
@@ -254,6 +316,11 @@ impl Triangle {
 }
 
 impl Spot {
+    /// A point that it shines from.
+    pub(super) fn on_disc(&self, u: [f32; 2]) -> Vec3 {
+        self.position + Frame::new(self.axis).to_world(square_to_disk(u).extend(0.0) * self.radius_m)
+    }
+
     /// Share of the intensity at an angle from the axis.
     fn edge_factor(&self, cos: f32) -> f32 {
         if cos <= self.cos_half_cone {

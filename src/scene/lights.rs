@@ -49,31 +49,52 @@ impl Lights {
         (near / (near + self.irradiance)).clamp(LEAST_SHARE, 1.0 - LEAST_SHARE)
     }
 
+    /// Chooses an emitter, and tells the chance of it; `None` where none shines.
+    pub(super) fn choose(&self, from: Vec3, u: f32) -> Option<(u32, f32)> {
+        let share = self.near_share(from);
+        if u < share {
+            let (index, probability) = self.near.sample(from, u / share)?;
+            return Some((index as u32, probability * share));
+        }
+        let rest = 1.0 - share;
+        let (which, probability) = self.choice.as_ref()?.sample((u - share) / rest);
+        Some((self.everywhere[which], probability * rest))
+    }
+
+    /// The chance that [`Lights::sample`] chooses this emitter.
+    pub fn probability(&self, from: Vec3, emitter: u32) -> f32 {
+        match (self.everywhere.binary_search(&emitter), &self.choice) {
+            (Ok(which), Some(choice)) => (1.0 - self.near_share(from)) * choice.probability(which),
+            (Ok(_), None) => 0.0,
+            (Err(_), _) => self.near.probability(from, emitter as usize) * self.near_share(from),
+        }
+    }
+
     /// Chooses an emitter and a direction towards it from `from`; `None` when there is none or it faces away.
     pub fn sample(&self, from: Vec3, [u, u_x, u_y]: [f32; 3]) -> Option<(u32, LightSample)> {
-        let share = self.near_share(from);
-        let (index, probability) = if u < share {
-            let (index, probability) = self.near.sample(from, u / share)?;
-            (index, probability * share)
-        } else {
-            let rest = 1.0 - share;
-            let (which, probability) = self.choice.as_ref()?.sample((u - share) / rest);
-            (self.everywhere[which] as usize, probability * rest)
-        };
-        let mut sample = self.emitters[index].sample(from, [u_x, u_y])?;
+        let (index, probability) = self.choose(from, u)?;
+        let mut sample = self.emitters[index as usize].sample(from, [u_x, u_y])?;
         sample.pdf *= probability;
-        Some((index as u32, sample))
+        Some((index, sample))
     }
 
     /// The density with which [`Lights::sample`] would have drawn the direction from `from` to this point.
     pub fn surface_pdf(&self, from: Vec3, lamp: &LampPoint) -> f32 {
-        let index = lamp.emitter as usize;
-        let pdf = match &self.emitters[index] {
+        self.emitter_pdf(from, lamp) * self.probability(from, lamp.emitter)
+    }
+
+    /// As [`Lights::surface_pdf`], once the emitter has been chosen.
+    pub(super) fn emitter_pdf(&self, from: Vec3, lamp: &LampPoint) -> f32 {
+        match &self.emitters[lamp.emitter as usize] {
             Emitter::Triangle(triangle) => triangle.pdf(lamp.position - from),
             Emitter::Sphere(sphere) => sphere.pdf(from, lamp),
             _ => 0.0,
-        };
-        pdf * self.near.probability(from, index) * self.near_share(from)
+        }
+    }
+
+    /// What the light of a lamp is more or less at a distance than if it faded with the square.
+    pub fn gain(&self, emitter: u32, distance_m: f32) -> f32 {
+        self.emitters[emitter as usize].gain(distance_m)
     }
 
     /// The density with which [`Lights::sample`] would have drawn this direction from `from` towards any distant light.

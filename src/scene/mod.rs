@@ -31,7 +31,7 @@ pub use camera::{Camera, Framing, Placed, View, cameras};
 use glam::{Vec2, Vec3};
 pub use groups::LightGroups;
 use light::Source;
-pub use light::{LampPoint, LightAt, LightSample};
+pub use light::{Lamp, LampPoint, LightAt, LightSample};
 pub use lights::Lights;
 pub use material::Material;
 pub use nesting::Interior;

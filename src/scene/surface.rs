@@ -177,8 +177,8 @@ impl<'s> Surface<'s> {
 
     fn on_sphere(place: &'s Place, center: Vec3, radius: f32, hit: &Hit) -> Self {
         let part = place.part(0);
-        // Centre plus normal is more exact than origin plus t times direction.
-        let position = place.to_world.transform_point3(center + hit.ng);
+        // From the centre, not along the ray: that may come from far away, and its rounding put the point on the wrong side.
+        let position = place.to_world.transform_point3(center + hit.ng.normalize_or_zero() * radius);
         let ng = (place.normal_to_world * hit.ng).normalize();
         let mut uv = Vec2::ZERO;
         if part.uv_sets[0] != NO_MAPS {
