@@ -29,13 +29,16 @@ pub use texture::{Channel4, Encoding, Image, ImageSource, Map, NormalMap, Scalar
 use std::path::PathBuf;
 
 use glam::{Mat4, Vec3};
+use sha2::{Digest, Sha256};
+
+use crate::math::hex;
 
 /// Everything one scene file holds.
 #[derive(Clone, Debug, Default)]
 pub struct Document {
     /// The file it came from, for messages.
     pub path: PathBuf,
-    /// SHA-256 of the text that was read, hexadecimal.
+    /// SHA-256 of the text that was read and of the models that it names, hexadecimal.
     pub sha256: String,
     /// File space to world space: the `up_axis` rotation times the `<unit>` scale (uniform).
     pub to_world: Mat4,
@@ -77,6 +80,11 @@ pub struct RenderHints {
 const FAR: f32 = 8.0;
 
 impl Document {
+    /// Takes a file that the scene names into its hash.
+    pub fn depend_on(&mut self, file: &[u8]) {
+        self.sha256 = hex(&Sha256::new().chain_update(&self.sha256).chain_update(file).finalize());
+    }
+
     /// Brings a scene that lies far from the origin there, by way of [`to_world`](Self::to_world): once, before anything is
     /// built, while distances still cancel exactly.
     pub fn come_near(&mut self) {

@@ -74,7 +74,7 @@ pub struct Model {
 /// A file that cannot be read, is damaged or holds no triangle, with the line; references out of the file's folder.
 pub fn load(path: &Path, kind: Kind, options: &Options) -> Result<Model, MeshError> {
     let whole = |error: std::io::Error| Fault::new(format!("cannot be read: {error}")).locate(path);
-    let bytes = bytes_of(path, options.max_bytes).map_err(|fault| fault.locate(path))?;
+    let bytes = contents(path, options.max_bytes)?;
     let sha256 = Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect();
     let (mesh, libraries, notes) = parse(&bytes, path, kind, options)?;
     drop(bytes);
@@ -94,15 +94,6 @@ pub fn read(bytes: &[u8], path: &Path, kind: Kind, options: &Options) -> Result<
     parse(bytes, path, kind, options).map(|(mesh, _, notes)| (mesh, notes))
 }
 
-/// Reads the shape alone from a file.
-///
-/// # Errors
-/// As [`load`].
-pub fn read_file(path: &Path, kind: Kind, options: &Options) -> Result<(Mesh, Vec<Note>), MeshError> {
-    let bytes = bytes_of(path, options.max_bytes).map_err(|fault| fault.locate(path))?;
-    read(&bytes, path, kind, options)
-}
-
 type Parsed = (Mesh, Vec<obj::Library>, Vec<Note>);
 
 fn parse(bytes: &[u8], path: &Path, kind: Kind, options: &Options) -> Result<Parsed, MeshError> {
@@ -118,6 +109,14 @@ fn parse(bytes: &[u8], path: &Path, kind: Kind, options: &Options) -> Result<Par
         return Err(fault.hint("clouds of points, and curves, need a surface first (MeshLab, Blender)").locate(path));
     }
     Ok((mesh, libraries, notes.finish()))
+}
+
+/// The bytes of a file.
+///
+/// # Errors
+/// A file that cannot be read or is larger than `max_bytes`.
+pub fn contents(path: &Path, max_bytes: u64) -> Result<Vec<u8>, MeshError> {
+    bytes_of(path, max_bytes).map_err(|fault| fault.locate(path))
 }
 
 fn bytes_of(path: &Path, max_bytes: u64) -> Result<Vec<u8>, Fault> {

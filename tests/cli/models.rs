@@ -264,6 +264,21 @@ fn scenes_refer_to_models_in_their_folder() {
     assert!(error.contains("lies outside the scene's folder"), "{error}");
 }
 
+/// Frames of another model are not frames of the scene, though its own file is the same.
+#[test]
+fn frames_are_rendered_anew_when_a_model_changes() {
+    let folder = Folder::new("composed-changed");
+    fs::write(folder.file("ring.obj"), torus(0.4)).unwrap();
+    let scene = composed(&folder, r#"<mesh file="ring.obj" material="skin"/>"#);
+    let output = folder.file("f.####.exr");
+    let frames = ["turntable", &scene, "-o", &output, "--frames", "2", "--size", "16x16", "--spp", "1"];
+    let missing = || succeed(&[&frames[..], &["--missing"]].concat()).stdout;
+    succeed(&frames);
+    assert_eq!(missing(), "");
+    fs::write(folder.file("ring.obj"), torus(0.3)).unwrap();
+    assert_eq!(missing(), "0-1/2\n");
+}
+
 #[test]
 fn rings_have_the_colours_of_their_libraries() {
     let folder = Folder::new("libraries");

@@ -52,11 +52,15 @@ pub fn read<'a>(loader: &mut Loader<'a>, technique: Element<'a>) -> Result<Mesh,
         allow_path: Vec::new(),
         max_bytes: loader.options.max_bytes,
     };
-    let read = match &source {
-        ImageSource::Bytes(bytes) => mesh::read(bytes, Path::new(file), kind, &options),
-        ImageSource::File(path) => mesh::read_file(path, kind, &options),
+    let bytes = match source {
+        ImageSource::Bytes(bytes) => Ok(bytes),
+        ImageSource::File(path) => mesh::contents(&path, options.max_bytes),
         ImageSource::Missing => return Err(refused(format!("mesh `{file}` is missing"), None)),
     };
+    let read = bytes.and_then(|bytes| {
+        loader.document.depend_on(&bytes);
+        mesh::read(&bytes, Path::new(file), kind, &options)
+    });
     let (mut mesh, notes) = read.map_err(|error| {
         let line = error.line.map(|line| format!("line {line}: ")).unwrap_or_default();
         refused(format!("mesh `{file}`: {line}{}", error.message), error.hint)
