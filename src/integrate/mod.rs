@@ -47,6 +47,8 @@ pub struct Tactics {
     pub limits: PathLimits,
     /// The paths of a group look at each other's finds.
     pub shares: bool,
+    /// Several paths go on from matte surfaces that are seen in mirrors or through lenses.
+    pub fans_out: bool,
     /// The first surface of a path draws 2^this sources of light, the others one.
     pub draws_log2: u32,
     /// Light paths that are followed besides, where they help.

@@ -27,6 +27,9 @@ const SURE_SHARP: f32 = 0.1;
 /// Finds whose light others weigh for themselves: one at each thrower, and lamps along one ray, those behind the first shining
 /// through it. Of more they take what the finder's own surface makes of it.
 const MOST_THROWN: usize = MOST_ROUGH as usize + 3;
+/// A path that fans out becomes 2^this.
+const FAN_LOG2: u32 = 2;
+pub(super) const MOST_OTHERS: usize = (1 << FAN_LOG2) - 1;
 /// Bounces before Russian roulette begins.
 pub(super) const SURE_BOUNCES: u32 = 3;
 
@@ -397,6 +400,39 @@ impl<M: Mode> Path<M> {
         mirrored.radiance = M::Light::ZERO;
         mirrored.sampler = self.sampler.part(0, 0);
         mirrored.take((vertex, Kept::Nothing), sample, tactics).then_some(mirrored)
+    }
+
+    /// True where a path has come a long way to a matte surface: more than one should go on from there.
+    #[inline]
+    pub(super) fn fans_out(&self, vertex: &Vertex<M>, tactics: &Tactics) -> bool {
+        let is_matte = matches!(vertex.bsdf, Bsdf::Diffuse(_) | Bsdf::CoatedDiffuse(_));
+        is_matte && tactics.fans_out && self.sharp && self.bounce > 0 && self.worth() >= SURE_SHARP
+    }
+
+    /// Leaves the path one part of what the surface scatters, and returns paths for the others.
+    #[inline(never)]
+    pub(super) fn fan_out(&mut self, vertex: &Vertex<M>, tactics: &Tactics) -> ArrayVec<Self, MOST_OTHERS> {
+        let parts = 1 << FAN_LOG2;
+        self.throughput = self.throughput * (1.0 / parts as f32);
+        // Roulette would undo it.
+        self.importance *= parts as f32;
+        let whole = self.sampler.clone();
+        let draw_anew = |path: &mut Self, part| {
+            path.sampler = whole.part(FAN_LOG2, part);
+            (path.u_surface, path.u_light) = (path.sampler.next_4d(), path.sampler.next_4d());
+        };
+        let mut others = ArrayVec::new();
+        for part in 1..parts {
+            let mut other = self.clone();
+            other.radiance = M::Light::ZERO;
+            other.thrown.clear();
+            draw_anew(&mut other, part);
+            if other.send_on((vertex, Kept::Nothing), tactics) {
+                others.push(other);
+            }
+        }
+        draw_anew(self, 0);
+        others
     }
 
     /// Draws a direction from the surface, or from what its guide knows.

@@ -129,6 +129,12 @@ impl<'s, M: Mode> Post<'s, M> {
         }
     }
 
+    /// Takes the path's part of what is seen from its post: others have the rest.
+    #[inline]
+    pub fn share_with_others(&mut self, path: &Path<M>) {
+        self.throughput = path.throughput;
+    }
+
     /// Of a light that was drawn at the path's vertex, what is to be added to the post if nothing stands in between.
     #[inline]
     pub fn incoming(&mut self, direct: &Direct<M::Light>) -> Find<M::Light> {

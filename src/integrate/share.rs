@@ -6,8 +6,8 @@
 use arrayvec::ArrayVec;
 
 use super::direct::MOST_DRAWS_LOG2;
-use super::path::{Arrival, Path};
-use super::post::{Post, Viewers, hand_out};
+use super::path::{Arrival, MOST_OTHERS, Path};
+use super::post::{Kept, Post, Viewers, hand_out};
 use super::throw::Find;
 use super::{Tactics, Tally};
 use crate::embree::{BATCH, Hits, Ray};
@@ -19,9 +19,9 @@ use crate::scene::Scene;
 pub const GROUP: usize = BATCH;
 /// Sources of light that one surface draws at most.
 const DRAWS: usize = 1 << MOST_DRAWS_LOG2;
-/// Mirrored paths of a group that may wait for their turn: a photographic lens has many surfaces, and four groups would not do.
+/// Paths split off from a group that may wait for their turn: a photographic lens has many surfaces, and four groups would not do.
 /// While there is no room for more, chance chooses.
-const MIRRORED: usize = 16 * GROUP;
+const MOST_SPLIT_OFF: usize = 16 * GROUP;
 
 /// Light that counts unless something stands in its way, of each draw and path.
 struct Doubts<L> {
@@ -31,8 +31,9 @@ struct Doubts<L> {
     lanes: [u8; DRAWS],
 }
 
-/// What smooth surfaces mirror of what goes through, by the number of the path that goes through.
-type Mirrored<M> = ArrayVec<(usize, Path<M>), MIRRORED>;
+/// What smooth surfaces mirror of what goes through, and what goes on from matte ones in other directions, by the number of the
+/// path that is followed first.
+type SplitOff<M> = ArrayVec<(usize, Path<M>), MOST_SPLIT_OFF>;
 
 /// Estimates the radiance of a group of paths, into [`Path::radiance`]. They must have the same waves; how many they are
 /// changes the noise, not the mean.
@@ -42,14 +43,14 @@ pub fn radiances<M: Mode>(
     paths: &mut ArrayVec<Path<M>, GROUP>,
     tally: &mut Tally,
 ) {
-    let mut mirrored = Mirrored::new();
-    radiances_of_group(scene, tactics, paths, &mut mirrored, tally);
-    while !mirrored.is_empty() {
-        let rest = mirrored.len().saturating_sub(GROUP);
-        let (of, mut group): (ArrayVec<usize, GROUP>, ArrayVec<Path<M>, GROUP>) = mirrored.drain(rest..).unzip();
-        radiances_of_group(scene, tactics, &mut group, &mut mirrored, tally);
+    let mut split_off = SplitOff::new();
+    radiances_of_group(scene, tactics, paths, &mut split_off, tally);
+    while !split_off.is_empty() {
+        let rest = split_off.len().saturating_sub(GROUP);
+        let (of, mut group): (ArrayVec<usize, GROUP>, ArrayVec<Path<M>, GROUP>) = split_off.drain(rest..).unzip();
+        radiances_of_group(scene, tactics, &mut group, &mut split_off, tally);
         // What split off from these belongs to the same paths.
-        for (number, _) in &mut mirrored[rest..] {
+        for (number, _) in &mut split_off[rest..] {
             *number = of[*number];
         }
         for (of, path) in of.into_iter().zip(&group) {
@@ -58,16 +59,16 @@ pub fn radiances<M: Mode>(
     }
 }
 
-/// As [`radiances`], but for what is mirrored apart, which `mirrored` gets.
+/// As [`radiances`], but for what is followed apart, which `split_off` gets.
 fn radiances_of_group<M: Mode>(
     scene: &Scene<M>,
     tactics: &Tactics,
     paths: &mut ArrayVec<Path<M>, GROUP>,
-    mirrored: &mut Mirrored<M>,
+    split_off: &mut SplitOff<M>,
     tally: &mut Tally,
 ) {
     let mut posts: [Post<M>; GROUP] = std::array::from_fn(|_| Post::new(tactics.shares));
-    walk(scene, tactics, paths, &mut posts, mirrored, tally);
+    walk(scene, tactics, paths, &mut posts, split_off, tally);
 
     let mut gathered = [M::Light::ZERO; GROUP];
     let viewers = Viewers::new(&posts);
@@ -85,7 +86,7 @@ fn walk<'s, M: Mode>(
     tactics: &'s Tactics,
     paths: &mut ArrayVec<Path<M>, GROUP>,
     posts: &mut [Post<'s, M>; GROUP],
-    mirrored: &mut Mirrored<M>,
+    split_off: &mut SplitOff<M>,
     tally: &mut Tally,
 ) {
     let (shadows, finds) = ([[Ray::NONE; GROUP]; DRAWS], [[Find::NOTHING; GROUP]; DRAWS]);
@@ -110,8 +111,8 @@ fn walk<'s, M: Mode>(
                     let mut vertex = path.vertex(scene, (surface, material), beyond);
                     path.prepare(&mut vertex, tactics);
                     let kept = post.judge(&vertex, path);
-                    if !mirrored.is_full() {
-                        mirrored.extend(path.split(&mut vertex, tactics).map(|mirrored| (i, mirrored)));
+                    if !split_off.is_full() {
+                        split_off.extend(path.split(&mut vertex, tactics).map(|mirrored| (i, mirrored)));
                     }
                     for draw in 0..1 << path.draws_log2(tactics) {
                         let direct = path.direct(scene, (&vertex, kept), draw, tactics, tally);
@@ -125,6 +126,12 @@ fn walk<'s, M: Mode>(
                                 let find = post.incoming(&direct);
                                 post.add(find, path);
                             }
+                        }
+                    }
+                    if path.fans_out(&vertex, tactics) && split_off.remaining_capacity() >= MOST_OTHERS {
+                        split_off.extend(path.fan_out(&vertex, tactics).into_iter().map(|other| (i, other)));
+                        if kept == Kept::X {
+                            post.share_with_others(path);
                         }
                     }
                     let goes_on = path.send_on((&vertex, kept), tactics);

@@ -52,7 +52,7 @@ struct Trial {
 pub fn tactics<M: Mode>(scene: &Scene<M>, camera: &Camera, plan: &Plan) -> Tactics {
     let [width, height] = camera.size;
     let shares = plan.limits.strategy == Strategy::Shared;
-    let mut tactics = Tactics { limits: plan.limits, shares, draws_log2: 0, throw: None };
+    let mut tactics = Tactics { limits: plan.limits, shares, fans_out: shares, draws_log2: 0, throw: None };
     let pixels = width.saturating_mul(height).max(1);
     let mut throw = if shares { Throw::new(scene, camera, pixels.min(MOST_LIGHT_PATHS)) } else { None };
     let groups = groups(camera.size);
@@ -90,7 +90,7 @@ pub fn tactics<M: Mode>(scene: &Scene<M>, camera: &Camera, plan: &Plan) -> Tacti
         return tactics;
     }
 
-    // Draw as many lights, and share finds, as it pays.
+    // Draw as many lights, share finds and fan out, as it pays.
     let mut best = camera.with(&light).product();
     let cost = |tactics: &Tactics| Cost::of_trials(&run(tactics), &weights).with(&light).product();
     for draws_log2 in 1..=MOST_DRAWS_LOG2 {
@@ -104,6 +104,11 @@ pub fn tactics<M: Mode>(scene: &Scene<M>, camera: &Camera, plan: &Plan) -> Tacti
     }
     tactics.shares = false;
     tactics.shares = cost(&tactics) >= best * WORTHWHILE;
+    if !tactics.shares {
+        best = cost(&tactics);
+    }
+    tactics.fans_out = false;
+    tactics.fans_out = cost(&tactics) >= best * WORTHWHILE;
     tactics
 }
 
