@@ -6,7 +6,7 @@ use std::f32::consts::PI;
 use std::path::{Path, PathBuf};
 
 use glam::{Vec2, Vec3};
-use pellicle::collada::{LoadOptions, MissingTexture, Warning, load};
+use pellicle::collada::{FalloffRule, LoadOptions, MissingTexture, Warning, load};
 use pellicle::color::{Emission, Index};
 use pellicle::document::*;
 
@@ -188,10 +188,15 @@ fn lights_camera_and_hints_of_our_profile() {
     let power = light(&document, "power");
     assert!(close(power.color, Vec3::splat(6.0 / (PI * 0.06))), "{}", power.color);
     assert!(matches!(power.kind, LightKind::Area { shape: AreaShape::Rectangle, presence: Presence::Hidden }));
-    let dot = light(&document, "dot");
     // 2 per unit of 0.1 m.
     let falloff = Falloff::Attenuation { constant: 1.0, linear: 20.0, quadratic: 0.0 };
-    assert!(matches!(dot.kind, LightKind::Point { radius_m: 0.25, falloff: own } if own == falloff));
+    let fading = light(&document, "fading");
+    assert!(matches!(fading.kind, LightKind::Point { radius_m: 0.0, falloff: own } if own == falloff));
+    let dot = light(&document, "dot");
+    assert!(matches!(dot.kind, LightKind::Point { radius_m: 0.25, falloff: Falloff::Physical }));
+    let literal = LoadOptions { falloff: FalloffRule::Collada, ..LoadOptions::default() };
+    let (_, warnings) = load_good("profile.dae", &literal);
+    assert!(warnings.iter().any(|warning| warning.seen.contains("`radius_m` of a point light")), "{warnings:?}");
     assert_eq!(dot.spectrum, Emission::D65);
     assert!(matches!(light(&document, "sun").kind, LightKind::Directional { angle_deg: 0.53 }));
     let lens = document.cameras[0].lens.unwrap();
