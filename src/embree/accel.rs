@@ -25,8 +25,8 @@ pub struct Accel {
 // SAFETY: Embree's objects belong to no thread. The error slot is behind a mutex, and the shared buffers move with us.
 unsafe impl Send for Accel {}
 // SAFETY: after the commit that ends each `&mut` method, scene, geometries and shared buffers are only read through `&self`.
-// rtcIntersect1 and 8, rtcOccluded1 and 8 and rtcGetSceneBounds may run concurrently on a committed scene (Embree's manual, "Thread
-// Safety"); the error slot that they might write is behind a mutex.
+// rtcIntersect1 and 8, rtcOccluded1 and 8 and rtcGetSceneBounds may run concurrently on a committed scene (Embree's manual,
+// "Thread Safety"); the error slot that they might write is behind a mutex.
 unsafe impl Sync for Accel {}
 
 impl Accel {

@@ -19,8 +19,8 @@ pub use sight::{Clue, Looker, Sight, Wanted};
 use std::ops::AddAssign;
 pub use throw::{Landing, Throw};
 
-/// How light is found. The others are kept to check the last: all agree in the mean, but for what smooth mirrors and lenses throw
-/// of lamps without extent, which only paths from the lamps find.
+/// How light is found. The others are kept to check the last: all agree in the mean, but for what smooth mirrors and lenses
+/// throw of lamps without extent, which only paths from the lamps find.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Strategy {
     /// Only by rays that happen to hit it (and by light sampling for what no ray can hit).

@@ -19,8 +19,8 @@ use crate::scene::Scene;
 pub const GROUP: usize = BATCH;
 /// Sources of light that one surface draws at most.
 const DRAWS: usize = 1 << MOST_DRAWS_LOG2;
-/// Paths split off from a group that may wait for their turn: a photographic lens has many surfaces, and four groups would not do.
-/// While there is no room for more, chance chooses.
+/// Paths split off from a group that may wait for their turn: a photographic lens has many surfaces, and four groups would
+/// not do. While there is no room for more, chance chooses.
 const MOST_SPLIT_OFF: usize = 16 * GROUP;
 
 /// Light that counts unless something stands in its way, of each draw and path.

@@ -71,9 +71,9 @@ impl<'s, M: Mode> Looker<'s, M> {
         Self { scene, white: M::spectrum(&scene.stage.white, &scene.stage.sensor), wanted }
     }
 
-    /// What the first `count` of these camera rays show, which start in `interior`, each with the rest of its sample's numbers
-    /// and one that picks wavelengths: the first surface that is there (holes are passed as the path loop passes them, by the same numbers),
-    /// and a clue.
+    /// What the first `count` of these camera rays show, which start in `interior`, each with the rest of its sample's
+    /// numbers and one that picks wavelengths: the first surface that is there (holes are passed as the path loop passes
+    /// them, by the same numbers), and a clue.
     pub fn look(
         &self,
         rays: &[(Ray, Sampler, f32); BATCH],

@@ -5,13 +5,14 @@
 //! the same light, so each is weighed by how likely it was to find it (the balance heuristic). Veach 1997, chapter 10, where
 //! light paths are the strategy with one vertex on the lens.
 //!
-//! Only light that comes to a thrower straight from a lamp is weighed: what others scatter is drawn by next-event estimation, and
-//! found well. Camera paths may draw the lamp at a rough thrower, too; a thrower is the last before the lamp in all three ways.
-//! The ratio of their densities is taken to be that of the ends alone: along smooth surfaces flux keeps its spread in area and
-//! direction, matte ones scatter alike both ways, and rough ones nearly so. Means are kept as all use the same ratio.
+//! Only light that comes to a thrower straight from a lamp is weighed: what others scatter is drawn by next-event estimation,
+//! and found well. Camera paths may draw the lamp at a rough thrower, too; a thrower is the last before the lamp in all three
+//! ways. The ratio of their densities is taken to be that of the ends alone: along smooth surfaces flux keeps its spread in
+//! area and direction, matte ones scatter alike both ways, and rough ones nearly so. Means are kept as all use the same
+//! ratio.
 //!
-//! Lamps without extent (points, spots, parallel light) are drawn, but no camera path runs into them: what smooth surfaces throw
-//! of them comes by light paths alone, and whole.
+//! Lamps without extent (points, spots, parallel light) are drawn, but no camera path runs into them: what smooth surfaces
+//! throw of them comes by light paths alone, and whole.
 
 use std::f32::consts::PI;
 use std::ops::Range;
@@ -30,8 +31,8 @@ use crate::scene::{Aim, Camera, Interior, Lamp, Scene, Shot, Surface, View};
 
 /// Surfaces that a light path may meet.
 const MAX_SURFACES: u32 = 64;
-/// Mirrors and lenses that are not smooth which a light path may be sent on by: camera paths draw a lamp at each, and keep apart
-/// what they find.
+/// Mirrors and lenses that are not smooth which a light path may be sent on by: camera paths draw a lamp at each, and keep
+/// apart what they find.
 pub(super) const MOST_ROUGH: u32 = 6;
 /// Photons are a small part of a picture's rays.
 const PATHS_PER_PHOTON: u32 = 2;
@@ -81,8 +82,8 @@ pub(super) struct Thrower {
 }
 
 impl Thrower {
-    /// How likely camera paths that come here are to be scattered towards a lamp in direction `toward`, over how likely they are
-    /// to find it, by running into it or drawing it; infinite where they cannot.
+    /// How likely camera paths that come here are to be scattered towards a lamp in direction `toward`, over how likely they
+    /// are to find it, by running into it or drawing it; infinite where they cannot.
     fn scattered_per_find<M: Mode>(&self, scene: &Scene<M>, lamp: &Lamp, toward: Vec3) -> f32 {
         let lights = &scene.stage.lights;
         if self.pdf.is_infinite() {
@@ -124,8 +125,8 @@ impl Throw {
         self.guide = Guide::new(scene, &self.aim, (self.count / PATHS_PER_PHOTON).min(MAX_PHOTONS));
     }
 
-    /// What the density of light paths at a surface is to be multiplied with to be compared with the density of camera paths that
-    /// see it first and are scattered there: 0 where light paths add nothing.
+    /// What the density of light paths at a surface is to be multiplied with to be compared with the density of camera paths
+    /// that see it first and are scattered there: 0 where light paths add nothing.
     pub(super) fn footprint<M: Mode>(&self, vertex: &Vertex<M>) -> f32 {
         let matte = matches!(vertex.bsdf, Bsdf::Diffuse(_) | Bsdf::CoatedDiffuse(_));
         let Some(seen) = self.camera.see(vertex.surface.position, [0.5; 2]).filter(|_| matte && !vertex.bent) else {
