@@ -115,6 +115,8 @@ impl Aim {
         let (place, center) = (caster.place, caster.center);
         let (emitter, chance) = self.lamps.choose(&scene.stage.lights, center, u_light)?;
         let source = &scene.stage.lights.emitters[emitter as usize];
+
+        // Send light of a point or a spot into the cone that meets the ball.
         if let Some(position) = source.point([u_light_x, u_light_y]) {
             let (axis, width) = caster.cone_from(source, position)?;
             let dir = Frame::new(axis).to_world(square_to_cone([u_x, u_y], width));
@@ -128,6 +130,7 @@ impl Aim {
         let sample = source.sample(center, [u_light_x, u_light_y])?;
         let (lamp, light) = (sample.lamp(emitter, center)?, scene.arriving(&sample.light, waves));
         let Lamp::Surface(LampPoint { position, ng, .. }) = lamp else {
+            // Send light from far away onto the ball's disc.
             let across = Frame::new(sample.wi).to_world(square_to_disk([u_x, u_y]).extend(0.0)) * caster.radius_m;
             let (low, high) = scene.stage.bounds;
             let ray = Ray::new(center + across + sample.wi * low.distance(high), -sample.wi);
@@ -138,6 +141,8 @@ impl Aim {
             let counts = density > 0.0 && !light.is_black();
             return counts.then_some(Shot { ray, interior: Interior::AIR, light, density, place, lamp });
         };
+
+        // Send light from a shining surface towards the ball.
         let dir = Frame::new(-sample.wi).to_world(square_to_cone([u_x, u_y], caster.cone(sample.distance_m)));
         let density = self.density(scene, place, position, &lamp, -dir, waves);
         if density <= 0.0 || light.is_black() {
