@@ -385,6 +385,11 @@ impl<M: Mode> Path<M> {
         self.throughput.max() * self.importance
     }
 
+    /// The same path, which has found nothing yet.
+    fn branch(&self) -> Self {
+        Self { radiance: M::Light::ZERO, thrown: ArrayVec::new(), ..self.clone() }
+    }
+
     /// Leaves the path what a smooth interface does not mirror, and returns one for what it does, where both are worth it and
     /// are seen sharply: chosen between at random, bright reflections of lamps and what lies behind them would both be noisy.
     #[inline]
@@ -396,8 +401,7 @@ impl<M: Mode> Path<M> {
         }
         let least = WORTH_TWO / self.worth();
         let sample = vertex.bsdf.split_mirror(vertex.wo, least, &self.waves)?;
-        let mut mirrored = self.clone();
-        mirrored.radiance = M::Light::ZERO;
+        let mut mirrored = self.branch();
         mirrored.sampler = self.sampler.part(0, 0);
         mirrored.take((vertex, Kept::Nothing), sample, tactics).then_some(mirrored)
     }
@@ -405,8 +409,7 @@ impl<M: Mode> Path<M> {
     /// True where a path has come a long way to a matte surface: more than one should go on from there.
     #[inline]
     pub(super) fn fans_out(&self, vertex: &Vertex<M>, tactics: &Tactics) -> bool {
-        let is_matte = matches!(vertex.bsdf, Bsdf::Diffuse(_) | Bsdf::CoatedDiffuse(_));
-        is_matte && tactics.fans_out && self.sharp && self.bounce > 0 && self.worth() >= SURE_SHARP
+        vertex.is_matte() && tactics.fans_out && self.sharp && self.bounce > 0 && self.worth() >= SURE_SHARP
     }
 
     /// Leaves the path one part of what the surface scatters, and returns paths for the others.
@@ -423,9 +426,7 @@ impl<M: Mode> Path<M> {
         };
         let mut others = ArrayVec::new();
         for part in 1..parts {
-            let mut other = self.clone();
-            other.radiance = M::Light::ZERO;
-            other.thrown.clear();
+            let mut other = self.branch();
             draw_anew(&mut other, part);
             if other.send_on((vertex, Kept::Nothing), tactics) {
                 others.push(other);

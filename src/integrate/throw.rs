@@ -23,7 +23,7 @@ use glam::{Vec2, Vec3};
 use super::guide::Guide;
 use super::vertex::Vertex;
 use super::{PathLimits, Tally};
-use crate::bsdf::{Bsdf, Pdf};
+use crate::bsdf::Pdf;
 use crate::embree::{BATCH, Hits, Ray};
 use crate::math::{Sampler, set_bits};
 use crate::mode::{Lanes, Mode};
@@ -128,10 +128,8 @@ impl Throw {
     /// What the density of light paths at a surface is to be multiplied with to be compared with the density of camera paths
     /// that see it first and are scattered there: 0 where light paths add nothing.
     pub(super) fn footprint<M: Mode>(&self, vertex: &Vertex<M>) -> f32 {
-        let matte = matches!(vertex.bsdf, Bsdf::Diffuse(_) | Bsdf::CoatedDiffuse(_));
-        let Some(seen) = self.camera.see(vertex.surface.position, [0.5; 2]).filter(|_| matte && !vertex.bent) else {
-            return 0.0;
-        };
+        let seen = self.camera.see(vertex.surface.position, [0.5; 2]);
+        let Some(seen) = seen.filter(|_| vertex.is_matte() && !vertex.bent) else { return 0.0 };
         let cos = seen.toward.dot(vertex.surface.ng).abs();
         self.count as f32 * PI * seen.pixel_m2 / cos.max(1e-6)
     }
@@ -210,12 +208,9 @@ impl Throw {
         tally: &mut Tally,
     ) -> Option<(Landing<M>, Ray)> {
         let footprint = self.footprint(vertex);
-        let share = match path.is_unrivalled() {
-            true if footprint > 0.0 || vertex.is_broad_metal() && !vertex.bent => f32::INFINITY,
-            true => 0.0,
-            false => footprint * path.density,
-        };
-        if path.bounce == 0 || share == 0.0 {
+        let lands = footprint > 0.0 || path.is_unrivalled() && vertex.is_broad_metal() && !vertex.bent;
+        let share = if path.is_unrivalled() { f32::INFINITY } else { footprint * path.density };
+        if path.bounce == 0 || !lands || share == 0.0 {
             return None;
         }
         let [u_lens_x, u_lens_y, u_x, u_y] = path.sampler.next_4d();

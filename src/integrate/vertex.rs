@@ -46,7 +46,7 @@ impl<'s, M: Mode> Vertex<'s, M> {
     /// Lets a matte surface know where to look for thrown light.
     #[inline]
     pub fn consult(&mut self, guide: Option<&'s Guide>) {
-        if let (Some(guide), Bsdf::Diffuse(_) | Bsdf::CoatedDiffuse(_)) = (guide, &self.bsdf) {
+        if let Some(guide) = guide.filter(|_| self.is_matte()) {
             self.guide = guide.at(self.surface.position);
         }
     }
@@ -78,6 +78,12 @@ impl<'s, M: Mode> Vertex<'s, M> {
         }
     }
 
+    /// True on matte bodies, with a coat or without.
+    #[inline]
+    pub fn is_matte(&self) -> bool {
+        matches!(self.bsdf, Bsdf::Diffuse(_) | Bsdf::CoatedDiffuse(_))
+    }
+
     /// True on very rough metal.
     #[inline]
     pub fn is_broad_metal(&self) -> bool {
@@ -87,7 +93,7 @@ impl<'s, M: Mode> Vertex<'s, M> {
     /// True where light may be followed in either direction by the same rules.
     #[inline]
     pub fn is_reversible(&self) -> bool {
-        !self.bent && (self.is_thrower() || matches!(self.bsdf, Bsdf::Diffuse(_) | Bsdf::CoatedDiffuse(_)))
+        !self.bent && (self.is_thrower() || self.is_matte())
     }
 
     /// True where light from `toward` meets a mirror, a lens from outside, or the coat of a matte body: that mirrors only.

@@ -23,6 +23,7 @@ use std::path::{Path, PathBuf};
 use sha2::{Digest, Sha256};
 
 use crate::document::{Image, Material, Mesh};
+use crate::math::hex;
 
 pub use beside::{Refusal, find, folder_of};
 use error::{Fault, Notes};
@@ -75,7 +76,7 @@ pub struct Model {
 pub fn load(path: &Path, kind: Kind, options: &Options) -> Result<Model, MeshError> {
     let whole = |error: std::io::Error| Fault::new(format!("cannot be read: {error}")).locate(path);
     let bytes = contents(path, options.max_bytes)?;
-    let sha256 = Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect();
+    let sha256 = hex(&Sha256::digest(&bytes));
     let (mesh, libraries, notes) = parse(&bytes, path, kind, options)?;
     drop(bytes);
     let mut model = Model { mesh, materials: Vec::new(), images: Vec::new(), notes, sha256 };

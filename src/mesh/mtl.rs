@@ -14,7 +14,7 @@ use crate::document::{
 
 use super::error::{Fault, MeshError, Notes};
 use super::obj::{Library, number};
-use super::{Model, Options, bytes_of, find};
+use super::{Model, Options, contents, find};
 
 /// `illum` numbers that let light through and bend it: glass, refraction, glass without ray tracing.
 const CLEAR: [u32; 4] = [4, 6, 7, 9];
@@ -105,7 +105,7 @@ pub fn add(
         model.notes.extend(notes.finish());
         return Ok(());
     };
-    let bytes = bytes_of(&file, options.max_bytes).map_err(|fault| fault.locate(&file))?;
+    let bytes = contents(&file, options.max_bytes)?;
     let mut notes = Notes::new(&file);
     parse(model, &bytes, folder, options, &mut notes).map_err(|fault| fault.locate(&file))?;
     model.notes.extend(notes.finish());

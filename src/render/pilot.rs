@@ -103,9 +103,10 @@ pub fn tactics<M: Mode>(scene: &Scene<M>, camera: &Camera, plan: &Plan) -> Tacti
         best = cost;
     }
     tactics.shares = false;
-    tactics.shares = cost(&tactics) >= best * WORTHWHILE;
+    let unshared = cost(&tactics);
+    tactics.shares = unshared >= best * WORTHWHILE;
     if !tactics.shares {
-        best = cost(&tactics);
+        best = unshared;
     }
     tactics.fans_out = false;
     tactics.fans_out = cost(&tactics) >= best * WORTHWHILE;

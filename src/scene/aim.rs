@@ -113,30 +113,31 @@ impl Aim {
         let at = self.sums.partition_point(|&sum| sum <= u_caster);
         let caster = &self.casters[at.min(self.casters.len() - 1)];
         let (place, center) = (caster.place, caster.center);
-        let (emitter, chance) = self.lamps.choose(&scene.stage.lights, center, u_light)?;
-        let source = &scene.stage.lights.emitters[emitter as usize];
+        let lights = &scene.stage.lights;
+        let (emitter, chance) = self.lamps.choose(lights, center, u_light)?;
+        let (source, chance) = (&lights.emitters[emitter as usize], caster.chance * chance);
 
         // Send light of a point or a spot into the cone that meets the ball.
         if let Some(position) = source.point([u_light_x, u_light_y]) {
             let (axis, width) = caster.cone_from(source, position)?;
             let dir = Frame::new(axis).to_world(square_to_cone([u_x, u_y], width));
             let light = scene.light(&source.intensity(dir)?, waves);
-            let density = caster.chance * chance * cone_pdf(width);
+            let density = chance * cone_pdf(width);
             let (ray, interior) = (Ray::new(position, dir), scene.interior_at(position));
             let lamp = Lamp::Point { emitter, position };
             return (!light.is_black()).then_some(Shot { ray, interior, light, density, place, lamp });
         }
 
         let sample = source.sample(center, [u_light_x, u_light_y])?;
-        let (lamp, light) = (sample.lamp(emitter, center)?, scene.arriving(&sample.light, waves));
-        let Lamp::Surface(LampPoint { position, ng, .. }) = lamp else {
+        let lamp = sample.lamp(emitter, center)?;
+        let Lamp::Surface(point) = lamp else {
             // Send light from far away onto the ball's disc.
             let across = Frame::new(sample.wi).to_world(square_to_disk([u_x, u_y]).extend(0.0)) * caster.radius_m;
             let (low, high) = scene.stage.bounds;
             let ray = Ray::new(center + across + sample.wi * low.distance(high), -sample.wi);
             let (light, density) = match lamp {
                 Lamp::Beyond => self.afar(scene, place, sample.wi, waves),
-                _ => (light, caster.chance * chance * caster.density_across()),
+                _ => (scene.arriving(&sample.light, waves), chance * caster.density_across()),
             };
             let counts = density > 0.0 && !light.is_black();
             return counts.then_some(Shot { ray, interior: Interior::AIR, light, density, place, lamp });
@@ -144,12 +145,13 @@ impl Aim {
 
         // Send light from a shining surface towards the ball.
         let dir = Frame::new(-sample.wi).to_world(square_to_cone([u_x, u_y], caster.cone(sample.distance_m)));
-        let density = self.density(scene, place, position, &lamp, -dir, waves);
+        let density = lights.emitter_pdf(center, &point) * chance * caster.density_from(&point, dir);
+        let light = scene.arriving(&sample.light, waves);
         if density <= 0.0 || light.is_black() {
             return None;
         }
         // A lamp's own surface does not hold its light back.
-        let origin = position + ng * (2e-6 * (position.abs().max_element() + caster.radius_m));
+        let origin = point.position + point.ng * (2e-6 * (point.position.abs().max_element() + caster.radius_m));
         Some(Shot { ray: Ray::new(origin, dir), interior: scene.interior_at(origin), light, density, place, lamp })
     }
 
