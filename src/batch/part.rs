@@ -183,14 +183,14 @@ impl PartHeader {
 
 impl Cost {
     pub fn of(sums: &Accumulation) -> Self {
-        let Tally { rays, shadow_rays, draws: _, non_finite, beyond_range, clamped } = sums.tally;
+        let Tally { rays, shadow_rays, draws: _, fans: _, non_finite, beyond_range, clamped } = sums.tally;
         let (threads, render_s, render_cpu_s) = (sums.threads, sums.render_s, sums.render_cpu_s);
         Self { rays, shadow_rays, non_finite, beyond_range, clamped, threads, render_s, render_cpu_s }
     }
 
     pub fn add_to(&self, sums: &mut Accumulation) {
         let Self { rays, shadow_rays, non_finite, beyond_range, clamped, threads, render_s, render_cpu_s } = *self;
-        sums.tally += Tally { rays, shadow_rays, draws: 0, non_finite, beyond_range, clamped };
+        sums.tally += Tally { rays, shadow_rays, draws: 0, fans: 0, non_finite, beyond_range, clamped };
         sums.threads = sums.threads.max(threads);
         sums.render_s += render_s;
         sums.render_cpu_s += render_cpu_s;

@@ -63,6 +63,8 @@ pub struct Tally {
     pub shadow_rays: u64,
     /// Lights that were drawn to be looked at.
     pub draws: u64,
+    /// Surfaces from which several paths went on.
+    pub fans: u64,
     /// Samples whose radiance was not a number or infinite; they count as black.
     pub non_finite: u64,
     /// Samples brighter than 2^32 (4.3e9), which count as that.
@@ -76,6 +78,7 @@ impl AddAssign for Tally {
         self.rays += other.rays;
         self.shadow_rays += other.shadow_rays;
         self.draws += other.draws;
+        self.fans += other.fans;
         self.non_finite += other.non_finite;
         self.beyond_range += other.beyond_range;
         self.clamped += other.clamped;

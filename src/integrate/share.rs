@@ -129,6 +129,7 @@ fn walk<'s, M: Mode>(
                         }
                     }
                     if path.fans_out(&vertex, tactics) && split_off.remaining_capacity() >= MOST_OTHERS {
+                        tally.fans += 1;
                         split_off.extend(path.fan_out(&vertex, tactics).into_iter().map(|other| (i, other)));
                         if kept == Kept::X {
                             post.share_with_others(path);

@@ -108,8 +108,10 @@ pub fn tactics<M: Mode>(scene: &Scene<M>, camera: &Camera, plan: &Plan) -> Tacti
     if !tactics.shares {
         best = unshared;
     }
-    tactics.fans_out = false;
-    tactics.fans_out = cost(&tactics) >= best * WORTHWHILE;
+    if base.iter().any(|trial| trial.tally.fans > 0) {
+        tactics.fans_out = false;
+        tactics.fans_out = cost(&tactics) >= best * WORTHWHILE;
+    }
     tactics
 }
 
